@@ -49,8 +49,8 @@ typedef struct Query {
     /* The first hit so far. */
     double t;
     uint32_t id;
-    /* A sphere point that is certainly hit, and before any other so far, but whose distance has not
-     * been computed in f64 yet; PS_NO_SPHERE if there is none. */
+    /* The index of a sphere point that is certainly hit, and before any other so far, but whose
+     * distance has not been computed in f64 yet; PS_NO_SPHERE if there is none. */
     uint32_t pending;
     /* Along Embree's ray: candidates beyond `certain_from` are certainly beyond t_min, and those
      * before `certain_until` are certainly before t_max and before the first hit so far. */
@@ -129,14 +129,26 @@ static uint32_t id_of(const PsGroup *group, uint32_t index) {
     return group->ids ? group->ids[index] : index;
 }
 
+/* The sphere with this index in the group. */
+static Sphere sphere_in(const PsGroup *group, uint32_t index) {
+    if (!group->radius_steps) return sphere_at(&group->spheres, id_of(group, index));
+    const float *point = &group->points[4 * (size_t)index];
+    uint32_t bits;
+    float radius;
+    memcpy(&bits, &point[3], sizeof bits);
+    bits -= group->radius_steps;
+    memcpy(&radius, &bits, sizeof radius);
+    return (Sphere){{point[0], point[1], point[2]}, radius};
+}
+
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
  * bits. The far root if the near one is not beyond t_min; NAN if the line misses the sphere. */
-static double first_root(const PsGroup *group, uint32_t id, const Query *query) {
-    const Sphere found = sphere_at(&group->spheres, id), *sphere = &found;
+static double first_root(const PsGroup *group, uint32_t index, const Query *query) {
+    const Sphere found = sphere_in(group, index), *sphere = &found;
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
     double per_length_squared = 1.0 / dot(d, d);
@@ -196,10 +208,10 @@ static bool is_certain(const Query *query, const PsGroup *group, const struct RT
 
 /* Computes the distance of the pending sphere. */
 static void settle(Query *query, const PsGroup *group) {
-    uint32_t id = query->pending;
-    if (id == PS_NO_SPHERE) return;
+    uint32_t index = query->pending;
+    if (index == PS_NO_SPHERE) return;
     query->pending = PS_NO_SPHERE;
-    accept(query, id, first_root(group, id, query));
+    accept(query, id_of(group, index), first_root(group, index, query));
 }
 
 /* Filters. Embree has put the candidate's distance into `tfar`. Setting `valid` to 0 rejects the
@@ -217,13 +229,13 @@ static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) 
     if (is_excluded(query->ray, id)) {
         arguments->valid[0] = 0;
     } else if (is_certain(query, group, ray, hit)) {
-        query->pending = id;
-        prefetch(&group->spheres, id);
+        query->pending = hit->primID;
+        if (!group->radius_steps) prefetch(&group->spheres, id);
         query->certain_until = ray->tfar - 2.0f * (float)query->slack;
         ray->tfar += 2.0f * (float)query->slack;
     } else {
         settle(query, group);
-        if (accept(query, id, first_root(group, id, query))) {
+        if (accept(query, id, first_root(group, hit->primID, query))) {
             ray->tfar = search_until(query, query->t);
             query->certain_until = ray->tfar - 2.0f * (float)query->slack;
         } else {
@@ -241,7 +253,7 @@ static void filter_occluded(const struct RTCFilterFunctionNArguments *arguments)
     if (is_excluded(query->ray, id)) {
         arguments->valid[0] = 0;
     } else if (!is_certain(query, group, ray, hit)) {
-        if (!counts(query->ray, id, first_root(group, id, query))) arguments->valid[0] = 0;
+        if (!counts(query->ray, id, first_root(group, hit->primID, query))) arguments->valid[0] = 0;
     }
 }
 
@@ -268,7 +280,7 @@ static void user_closest(const struct RTCIntersectFunctionNArguments *arguments)
     struct RTCRayHit *rayhit = (struct RTCRayHit *)arguments->rayhit;
     Query *query = (Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (!accept(query, id, first_root(group, id, query))) return;
+    if (!accept(query, id, first_root(group, arguments->primID, query))) return;
     rayhit->ray.tfar = search_until(query, query->t);
     rayhit->hit.primID = arguments->primID;
     rayhit->hit.geomID = arguments->geomID;
@@ -280,7 +292,7 @@ static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments)
     struct RTCRay *ray = (struct RTCRay *)arguments->ray;
     const Query *query = (const Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (counts(query->ray, id, first_root(group, id, query))) ray->tfar = -INFINITY;
+    if (counts(query->ray, id, first_root(group, arguments->primID, query))) ray->tfar = -INFINITY;
 }
 
 /* ---- Devices ---- */

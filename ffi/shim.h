@@ -59,6 +59,9 @@ typedef struct PsGroup {
     uint32_t count;
     /* The spheres as sphere points: x, y, z relative to the origin, and the enlarged radius. */
     const float *points;
+    /* How many f32 numbers above the radius as written the enlarged radius is, the points being
+     * exact otherwise; 0 if the points do not tell. */
+    uint32_t radius_steps;
     /* A ball that contains all spheres of the group. */
     double center[3], radius;
     /* How far f32 may displace a surface, and how far a candidate's distance may be off. */

@@ -113,12 +113,19 @@ impl SphereGroup {
     ) -> Arc<Self> {
         let id = |index: usize| ids.get(index).copied().unwrap_or(index as u32);
         let spheres = (0..count).into_par_iter().map(|index| set.sphere(id(index)));
-        let Bounds { center, radius, largest } = Bounds::around(spheres.clone());
-        let enlargement = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
+        let Bounds { center, radius, smallest, largest } = Bounds::around(spheres.clone());
+        let bound = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
+        let enlarge = match geometry {
+            ParticleGeometry::Points if set.is_exact_in_f32() => {
+                Enlargement::reversible(bound, smallest, largest)
+            }
+            _ => Enlargement::By(bound),
+        };
         let points: Vec<[f32; 4]> = match geometry {
-            ParticleGeometry::Points => spheres.map(|s| point(&s, enlargement)).collect(),
+            ParticleGeometry::Points => spheres.map(|s| point(&s, enlarge)).collect(),
             ParticleGeometry::User => Vec::new(),
         };
+        let enlargement = enlarge.at_most(largest);
         let tangent = match geometry {
             ParticleGeometry::Points => (4.0 * enlargement * (largest + enlargement)).sqrt(),
             ParticleGeometry::User => 0.0,
@@ -129,6 +136,7 @@ impl SphereGroup {
             // A set has less than 2^32 spheres.
             count: count as u32,
             points: if points.is_empty() { ptr::null() } else { points.as_ptr().cast() },
+            radius_steps: enlarge.steps(),
             center: center.to_array(),
             radius: radius + 2.0 * enlargement,
             enlargement,
@@ -161,10 +169,51 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
     (0..count as u32).into_par_iter().filter(is_large).collect()
 }
 
+/// How a group's radii are enlarged.
+#[derive(Clone, Copy)]
+enum Enlargement {
+    By(f64),
+    /// To the f32 number so many numbers above. This can be undone exactly, so the radius as written
+    /// need not be read from other memory.
+    Steps(u32),
+}
+
+impl Enlargement {
+    /// Enlarges all radii of these limits by at least `bound`; reversibly, unless that would enlarge
+    /// the largest by much more.
+    fn reversible(bound: f64, smallest: f64, largest: f64) -> Self {
+        let above = ((smallest + bound) as f32).to_bits() + 1;
+        let steps = Self::Steps(above - (smallest as f32).to_bits());
+        if steps.at_most(largest) <= 4.0 * bound { steps } else { Self::By(bound) }
+    }
+
+    fn radius(self, radius: f64) -> f32 {
+        match self {
+            Self::By(bound) => (radius + bound) as f32,
+            Self::Steps(steps) => f32::from_bits((radius as f32).to_bits() + steps),
+        }
+    }
+
+    /// The most by which it enlarges radii. Distances of f32 numbers grow with the numbers.
+    fn at_most(self, largest: f64) -> f64 {
+        match self {
+            Self::By(bound) => bound,
+            Self::Steps(_) => f64::from(self.radius(largest)) - largest,
+        }
+    }
+
+    fn steps(self) -> u32 {
+        match self {
+            Self::By(_) => 0,
+            Self::Steps(steps) => steps,
+        }
+    }
+}
+
 /// The sphere with an enlarged radius.
-fn point(sphere: &Sphere, enlargement: f64) -> [f32; 4] {
+fn point(sphere: &Sphere, enlargement: Enlargement) -> [f32; 4] {
     let center = sphere.center.as_vec3();
-    [center.x, center.y, center.z, (sphere.radius + enlargement) as f32]
+    [center.x, center.y, center.z, enlargement.radius(sphere.radius)]
 }
 
 fn all_spheres(set: &SphereSet) -> sys::PsSpheres {
@@ -178,23 +227,25 @@ fn all_spheres(set: &SphereSet) -> sys::PsSpheres {
     }
 }
 
-/// A ball around spheres, and the largest of their radii.
+/// A ball around spheres, and the limits of their radii.
 struct Bounds {
     center: DVec3,
     radius: f64,
+    smallest: f64,
     largest: f64,
 }
 
 impl Bounds {
     fn around(spheres: impl ParallelIterator<Item = Sphere> + Clone) -> Self {
-        let empty = || (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0f64);
-        let add = |a: (DVec3, DVec3, f64), b: (DVec3, DVec3, f64)| {
-            (a.0.min(b.0), a.1.max(b.1), a.2.max(b.2))
+        let extent = |s: Sphere| [(s.center - s.radius, s.radius), (s.center + s.radius, s.radius)];
+        let empty = || [(DVec3::INFINITY, f64::INFINITY), (DVec3::NEG_INFINITY, 0.0)];
+        let add = |[a, b]: [(DVec3, f64); 2], [c, d]: [(DVec3, f64); 2]| {
+            [(a.0.min(c.0), a.1.min(c.1)), (b.0.max(d.0), b.1.max(d.1))]
         };
-        let extent = |s: Sphere| (s.center - s.radius, s.center + s.radius, s.radius);
-        let (low, high, largest) = spheres.clone().map(extent).reduce(empty, add);
+        let [(low, smallest), (high, largest)] = spheres.clone().map(extent).reduce(empty, add);
         let center = (low + high) * 0.5;
         let reach = |s: Sphere| s.center.distance(center) + s.radius;
-        Self { center, radius: spheres.map(reach).reduce(|| 0.0, f64::max), largest }
+        let radius = spheres.map(reach).reduce(|| 0.0, f64::max);
+        Self { center, radius, smallest, largest }
     }
 }
