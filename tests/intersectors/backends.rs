@@ -57,8 +57,8 @@ impl Accel for RoundedRays {
         self.0.closest(&Self::rounded(rays), hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.0.occluded(&Self::rounded(rays), blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.0.occluded(&Self::rounded(rays), occluded);
     }
 
     /// Rounding turns the direction by at most 2^-24, which moves the line at the sphere by that

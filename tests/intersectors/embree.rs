@@ -58,9 +58,9 @@ fn closest(accel: &dyn Accel, rays: &[Ray]) -> Vec<Hit> {
 }
 
 fn occluded(accel: &dyn Accel, rays: &[Ray]) -> Vec<bool> {
-    let mut blocked = vec![true; rays.len()];
-    accel.occluded(rays, &mut blocked);
-    blocked
+    let mut occluded = vec![true; rays.len()];
+    accel.occluded(rays, &mut occluded);
+    occluded
 }
 
 /// Same ids. Distances: bit for bit from f64 callbacks; from sphere points within what f32 loses
@@ -110,7 +110,7 @@ fn each_excluded_sphere_gives_way_to_the_next() {
 }
 
 #[test]
-fn the_interval_is_open_and_the_far_wall_counts() {
+fn the_interval_is_open_and_the_far_root_counts() {
     // One particle, one giant; the particle is the origin, because the median is a centre.
     let ball = Sphere { center: DVec3::ZERO, radius: 2.0 };
     let set = set_of(vec![ball]);
@@ -162,12 +162,12 @@ fn invalid_rays_hit_nothing_and_harm_nobody() {
     for backend in BOTH {
         let accel = built(backend, &set);
         let hits = closest(&*accel, &batch);
-        let blocked = occluded(&*accel, &batch);
+        let occluded = occluded(&*accel, &batch);
         assert!(hits[1..invalid].iter().all(|&hit| hit == Hit::MISS), "{hits:?}");
-        assert!(!blocked[1..invalid].contains(&true));
+        assert!(!occluded[1..invalid].contains(&true));
         assert_eq!(hits[invalid], Hit::MISS, "no direction");
         assert!(!hits[0].is_miss() && hits[0] == hits[invalid + 1]);
-        assert!(blocked[0] && blocked[invalid + 1]);
+        assert!(occluded[0] && occluded[invalid + 1]);
     }
 }
 

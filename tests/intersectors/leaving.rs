@@ -96,7 +96,7 @@ impl Stand {
             };
             let ray = hit.spawn_ray(direction);
             if let Some(ray) = ray.filter(|ray| ray.t_exit.is_finite()) {
-                assert_far_wall_is_right(&ray, &self.sphere());
+                assert_exit_distance_is_right(&ray, &self.sphere());
             }
             assert!(ray.is_some() || direction.dot(hit.normal).abs() < 1e-15, "no chord");
             ray
@@ -107,14 +107,14 @@ impl Stand {
 
 /// The closed form against the judge's far root. The ray's origin is off the surface by the
 /// rounding of its coordinates, so the bound is that of a resolved distance at their scale.
-fn assert_far_wall_is_right(ray: &PathRay, sphere: &Sphere) {
+fn assert_exit_distance_is_right(ray: &PathRay, sphere: &Sphere) {
     let moved = 8.0 * f64::EPSILON * (sphere.center.length() + sphere.radius);
     let tangent = moved + (2.0 * (sphere.radius + moved) * moved).sqrt();
     let roots = ground_truth::roots(ray.origin, ray.direction, sphere);
     let (half_chord, far) = roots.map_or((0.0, 0.0), |r| (0.5 * (r.far - r.near), r.far));
     let allowed = (moved * (1.0 + sphere.radius / half_chord)).min(tangent);
     let error = (far - ray.t_exit).abs();
-    assert!(error <= allowed, "far wall {:e}, exact {far:e}, {sphere:?}", ray.t_exit);
+    assert!(error <= allowed, "exit at {:e}, exact {far:e}, {sphere:?}", ray.t_exit);
 }
 
 fn leaves_rightly(neighbour: Neighbour) {
@@ -144,9 +144,9 @@ fn leaving_beside_an_overlapping_neighbour() {
     leaves_rightly(Neighbour::Overlapping);
 }
 
-/// Alone, going in, nothing but the far wall can be found, from inside, where it was said to be.
+/// Alone, going in, only the exit point can be found, from inside, at the computed distance.
 #[test]
-fn entering_always_finds_the_far_wall() {
+fn entering_always_finds_the_exit_point() {
     (0..SPHERES).into_par_iter().step_by(2).for_each(|index| {
         let mut stand = Stand::new(index, Neighbour::None);
         let rays = stand.leaving_rays(100);
@@ -155,7 +155,7 @@ fn entering_always_finds_the_far_wall() {
             for ray in rays.iter().filter(|ray| ray.t_exit.is_finite()) {
                 let mut hit = [Hit::MISS];
                 accel.closest(&[stand.spheres.to_query(ray)], &mut hit);
-                let hit = stand.spheres.resolve_hit(ray, hit[0]).expect("the far wall");
+                let hit = stand.spheres.resolve_hit(ray, hit[0]).expect("the exit point");
                 let found = (hit.id, hit.t, hit.side);
                 assert_eq!(found, (stand.id, ray.t_exit, Side::Inside), "{}", backend.name());
             }
@@ -191,9 +191,9 @@ fn an_emitter_never_blocks_its_own_light() {
 fn assert_nothing_blocks(spheres: &Arc<SphereSet>, rays: &[PathRay]) {
     let asked: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     for backend in backends() {
-        let mut blocked = vec![false; asked.len()];
-        built(backend, spheres).occluded(&asked, &mut blocked);
-        let ray = blocked.iter().position(|&blocked| blocked).map(|i| rays[i]);
+        let mut occluded = vec![false; asked.len()];
+        built(backend, spheres).occluded(&asked, &mut occluded);
+        let ray = occluded.iter().position(|&occluded| occluded).map(|i| rays[i]);
         assert!(ray.is_none(), "`{}` blocks {ray:?}", backend.name());
     }
 }
@@ -212,8 +212,8 @@ impl Accel for Forgetful {
         self.0.closest(&Self::forget(rays), hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.0.occluded(&Self::forget(rays), blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.0.occluded(&Self::forget(rays), occluded);
     }
 
     fn error_bound(&self) -> ErrorBound {

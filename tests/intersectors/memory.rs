@@ -42,10 +42,10 @@ fn small_workload() {
     let trace = |backend: Backend| {
         let options = BuildOptions { threads: 2, ..Default::default() };
         let accel = backend.build(&set, &options).expect("builds");
-        let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+        let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
         accel.closest(&rays, &mut hits);
-        accel.occluded(&rays, &mut blocked);
-        (hits.iter().map(|hit| hit.id).collect::<Vec<_>>(), blocked)
+        accel.occluded(&rays, &mut occluded);
+        (hits.iter().map(|hit| hit.id).collect::<Vec<_>>(), occluded)
     };
     let truth = trace(Backend::BruteForce);
     for backend in [Backend::Embree, Backend::EmbreeUser] {

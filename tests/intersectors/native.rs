@@ -48,17 +48,17 @@ impl Pair {
         for (name, accel) in &self.native {
             for batch in BATCHES {
                 let mut hits = vec![Hit { t: 0.0, id: 0 }; rays.len()];
-                let mut blocked = vec![true; rays.len()];
+                let mut occluded = vec![true; rays.len()];
                 for (rays, hits) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
                     accel.closest(rays, hits);
                 }
-                for (rays, blocked) in rays.chunks(batch).zip(blocked.chunks_mut(batch)) {
-                    accel.occluded(rays, blocked);
+                for (rays, occluded) in rays.chunks(batch).zip(occluded.chunks_mut(batch)) {
+                    accel.occluded(rays, occluded);
                 }
                 for (i, ray) in rays.iter().enumerate() {
                     let about = || format!("{name}, batches of {batch}, ray {i}: {ray:?}");
                     assert_eq!(hits[i], expected[i], "{}", about());
-                    assert_eq!(blocked[i], !expected[i].is_miss(), "{}", about());
+                    assert_eq!(occluded[i], !expected[i].is_miss(), "{}", about());
                 }
             }
         }

@@ -74,8 +74,8 @@ impl Accel for Stopping<'_> {
         self.inner.closest(rays, hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.inner.occluded(rays, blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.inner.occluded(rays, occluded);
     }
 
     fn error_bound(&self) -> ErrorBound {

@@ -310,8 +310,8 @@ impl Accel for Tiring<'_> {
         self.tire(rays.len());
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.accel.occluded(rays, blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.accel.occluded(rays, occluded);
     }
 
     fn closest_path_rays(
@@ -330,9 +330,9 @@ impl Accel for Tiring<'_> {
         spheres: &SphereSet,
         rays: &PathRays,
         asked: &mut Vec<Ray>,
-        blocked: &mut [bool],
+        occluded: &mut [bool],
     ) {
-        self.accel.occluded_path_rays(spheres, rays, asked, blocked);
+        self.accel.occluded_path_rays(spheres, rays, asked, occluded);
     }
 
     fn error_bound(&self) -> ErrorBound {

@@ -32,7 +32,7 @@ the sample; their sum is L_o at the camera.
 
 The drawing shows the path from the side, on the upright plane in which it is largest, and names the
 spheres that the path hits or samples. Shadow rays are solid if they reach the emitter and dashed if
-they are blocked.")]
+they are occluded.")]
 pub struct TraceArgs {
     #[command(flatten)]
     pub scene: SceneArgs,

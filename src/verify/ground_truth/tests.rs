@@ -92,7 +92,7 @@ fn the_far_wall_is_an_exact_answer_and_hides_what_is_behind_it() {
     assert_eq!(case.first_hit().map(|first| (first.id, first.t)), Some((own, 2.0)));
     assert_eq!(judge(&case, Some(next), &EXACT), Verdict::Wrong);
     assert_eq!(judge(&case, None, &COARSE), Verdict::Equal);
-    assert!(!case.occluded(), "the far wall ends the ray");
+    assert!(!case.occluded(), "the exit point ends the ray");
     assert_eq!(case.distance_error(own, 2.0), 0.0);
     assert!(case.distance_error(own, 2.0 + 1e-15) > 1.0);
     let outward = PathRay { t_exit: f64::INFINITY, ..inward };
