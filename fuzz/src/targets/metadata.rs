@@ -1,6 +1,5 @@
 //! What a picture records of how it was made, as `info` and `reproduce` read it.
 
-use std::fs;
 use std::path::Path;
 
 use photosphere::color::Rgb;
@@ -10,7 +9,7 @@ use photosphere::job::reproduce::{ReproduceOptions, ReproductionCost, read_metad
 use photosphere::report::FileRecords;
 use photosphere::scene::{Scene, SceneDescription};
 
-use super::{accepted, is_inert};
+use super::accepted;
 
 /// Larger pictures are not rendered again.
 const MAX_SAMPLES: u64 = 1 << 12;
@@ -48,12 +47,8 @@ pub(super) fn metadata(input: &[u8]) -> bool {
 
 /// Describes the picture as `info` does.
 fn describe(path: &Path) -> bool {
-    assert!(fs::metadata(path).is_ok());
     let Some(records) = accepted(FileRecords::read(path)) else { return false };
-    let (text, json) = (accepted(records.to_text()), accepted(records.json()));
-    let json = json.expect("plain values").to_string();
-    assert!(text.is_some() && is_inert(&json));
-    true
+    accepted(records.to_text()).is_some() && accepted(records.json()).is_some()
 }
 
 /// Renders the picture again, if that takes little.
@@ -65,7 +60,6 @@ fn render_again(mut recorded: Metadata, folder: &Path) -> bool {
     if cost.samples > MAX_SAMPLES || description.spheres.len() > MAX_SPHERES {
         return true;
     }
-    assert!(cost.pixels <= MAX_SAMPLES || cost.samples < cost.pixels);
     if cost.pixels > MAX_SAMPLES || !names_no_file(&description) {
         return true;
     }
