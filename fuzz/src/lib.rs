@@ -1,16 +1,24 @@
 //! The fuzz targets as programs for libFuzzer.
 
 pub mod mutate;
-pub mod targets;
+mod targets;
 
 pub use libfuzzer_sys;
+
+/// Runs the target of this name.
+///
+/// # Panics
+/// On a finding.
+pub fn run(name: &str, input: &[u8]) {
+    targets::run(name, input);
+}
 
 /// Makes the program of a target.
 #[macro_export]
 macro_rules! fuzz {
     ($name:literal) => {
         $crate::libfuzzer_sys::fuzz_target!(|input: &[u8]| {
-            $crate::targets::run($name, input);
+            $crate::run($name, input);
         });
     };
 }

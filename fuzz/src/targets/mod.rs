@@ -24,15 +24,15 @@ use photosphere::scene::{Override, SceneFile, read_text};
 
 /// A fuzz target.
 #[derive(Clone, Copy, Debug)]
-pub struct Target {
+pub(crate) struct Target {
     /// Its name: that of its program and of its folder in `fuzz/seeds`.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Takes one input.
-    pub run: fn(&[u8]) -> bool,
+    pub(crate) run: fn(&[u8]) -> bool,
 }
 
 /// All targets. A new one also needs a program in `src/bin`, an entry in `Cargo.toml`, and seeds.
-pub const TARGETS: [Target; 12] = [
+pub(crate) const TARGETS: [Target; 12] = [
     Target { name: "scene", run: scenes::scene },
     Target { name: "overrides", run: scenes::overrides },
     Target { name: "render", run: render::render },
@@ -92,7 +92,7 @@ fn first_line(input: &[u8]) -> (&[u8], &[u8]) {
 ///
 /// # Panics
 /// If there is none, or on a finding.
-pub fn run(name: &str, input: &[u8]) -> bool {
+pub(crate) fn run(name: &str, input: &[u8]) -> bool {
     let target = TARGETS.iter().find(|target| target.name == name);
     (target.expect("a target of this name").run)(input)
 }
