@@ -25,7 +25,7 @@ use photosphere::scene::{Override, SceneFile, read_text};
 /// A fuzz target.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
-    /// Its name: that of its program and of its folder in `fuzz/seeds`.
+    /// The name of its program, and of its folder in `fuzz/seeds`.
     pub(crate) name: &'static str,
     /// Takes one input.
     pub(crate) run: fn(&[u8]) -> bool,
