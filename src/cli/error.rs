@@ -12,7 +12,7 @@ use miette::{
 };
 use serde_json::{Value, json};
 
-use crate::draw::printable::{printable, printable_line};
+use crate::draw::printable::{printable, printable_json, printable_line};
 use crate::error::{Category, Diagnostic, Error, Suggestion};
 
 use super::excerpt::Excerpt;
@@ -29,6 +29,11 @@ pub(super) fn print(error: &Error, as_json: bool) {
     if as_json {
         print_json(&to_json(error));
     }
+}
+
+/// Returns what [`print`] prints without a terminal, with the JSON value.
+pub(super) fn text(error: &Error) -> String {
+    report(error, &plain()) + &printable_json(&to_json(error).to_string())
 }
 
 /// Prints a failure as the JSON value of a command. Nothing can be done if that fails, too.

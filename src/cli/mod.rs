@@ -30,11 +30,14 @@ mod reproduce;
 mod resume;
 mod scene_file;
 mod system;
+#[doc(hidden)]
+pub mod testing;
 mod trace;
 mod usage;
 mod verify;
 mod watch;
 
+use std::ffi::OsString;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
 
@@ -83,9 +86,16 @@ fn exit_of(outcome: Result<Exit>, as_json: bool) -> Exit {
 
 /// Parses the program's arguments.
 fn read() -> std::result::Result<Cli, clap::Error> {
-    let mut program = args::help::program();
-    let mut words = program.try_get_matches_from_mut(std::env::args_os())?;
-    Cli::from_arg_matches_mut(&mut words).map_err(|e| e.format(&mut program))
+    parse(&mut args::help::program(), std::env::args_os())
+}
+
+/// Parses a command line, which begins with the name of the program.
+fn parse(
+    program: &mut clap::Command,
+    words: impl Iterator<Item = OsString>,
+) -> std::result::Result<Cli, clap::Error> {
+    let mut matches = program.try_get_matches_from_mut(words)?;
+    Cli::from_arg_matches_mut(&mut matches).map_err(|e| e.format(program))
 }
 
 fn run(command: &Command) -> Result<Exit> {

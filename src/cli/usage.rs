@@ -17,9 +17,7 @@ use super::{error, print};
 pub(super) fn answer(mut answer: clap::Error) -> Exit {
     let words: Vec<OsString> = std::env::args_os().skip(1).collect();
     let texts: Vec<String> = words.iter().map(|word| word.to_string_lossy().into()).collect();
-    if answer.kind() == ErrorKind::UnknownArgument {
-        advise(&mut answer, &texts);
-    }
+    advise(&mut answer, &texts);
     let plain = || answer.render().to_string();
     if texts.iter().all(|word| *printable(word) == **word) {
         // On a closed stream nothing can be reported.
@@ -47,8 +45,9 @@ pub(super) fn answer(mut answer: clap::Error) -> Exit {
 
 /// Replaces clap's advice for an argument that starts with a dash. It suggests `-- -a.png`, which
 /// an option cannot take; a path that starts with its folder can be given anywhere.
-fn advise(answer: &mut clap::Error, words: &[String]) {
-    if answer.get(ContextKind::Suggested).is_none() {
+pub(super) fn advise(answer: &mut clap::Error, words: &[String]) {
+    let is_unknown = answer.kind() == ErrorKind::UnknownArgument;
+    if !is_unknown || answer.get(ContextKind::Suggested).is_none() {
         return;
     }
     let Some(ContextValue::String(argument)) = answer.get(ContextKind::InvalidArg) else { return };

@@ -169,7 +169,8 @@ impl Job {
             });
         }
         if end % BLOCK_SIZE != 0 && end != last {
-            let suggestion = end.next_multiple_of(BLOCK_SIZE).min(last);
+            let suggestion =
+                end.checked_next_multiple_of(BLOCK_SIZE).map_or(last, |end| end.min(last));
             return invalid(
                 format!("must end on a multiple of {BLOCK_SIZE}, or at the last sample, {last}"),
                 format!("samples are summed in blocks of {BLOCK_SIZE}; try {start}..{suggestion}"),

@@ -138,3 +138,12 @@ fn a_scene_that_has_moved_is_named_and_must_be_the_same() {
     desk.run("resume kept/a.state --extend-to 64 --scene other.toml")
         .fails(3, &["it belongs to another render: `materials.grass.albedo` is"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn the_scene_that_a_part_names_is_a_regular_file() {
+    let desk = desk();
+    mislead(&desk, |header| header["source"]["file"] = json!("/dev/zero"));
+    let merge = "merge kept/a.state -o a.exr --layers sphere_id";
+    desk.run(merge).fails(4, &["cannot read the scene `/dev/zero`: it is not a regular file"]);
+}

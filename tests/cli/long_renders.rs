@@ -108,6 +108,8 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
     refused("32..64", &["exceed the 41 samples per pixel", "per pixel: --spp 64"]);
+    let most = "render scene.toml -o a.part --spp 4294967295 --samples 0..4294967290";
+    desk.run(most).fails(3, &["try 0..4294967295"]);
     desk.run("render scene.toml -o a.part --samples 9").fails(2, &["such as 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }

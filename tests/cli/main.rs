@@ -9,6 +9,7 @@ mod desk;
 #[cfg(unix)]
 mod files;
 mod foreign_checkpoints;
+mod fuzz_seeds;
 mod generate;
 #[cfg(unix)]
 mod hostile;

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use crate::draw::printable::printable;
 use crate::error::{Error, Result};
-use crate::scene::read_file;
+use crate::scene::{SceneFile, read_file};
 
 use super::args::{Division, OutputArgs, PlanArgs, PlanFormat, StopArgs};
 use super::exit::Exit;
@@ -36,11 +36,17 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let overrides = args.overrides();
     // Checks the tables without loading them: they may need more memory than this machine has.
     let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;
+    print::result(&text(args, &outputs, &file)?)?;
+    Ok(Exit::Done)
+}
+
+/// Returns the plan for a scene file as text.
+pub(super) fn text(args: &PlanArgs, outputs: &OutputArgs, file: &SceneFile) -> Result<String> {
     let division = division(&args.stop, args.by)?;
     args.stop.stop_criteria().validate(&file.settings.render)?;
     // Two machines might choose differently, and their parts could not be merged.
     let backend = args.accel.choice.select_for_count(file.size().spheres as usize).backend;
-    let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
+    let plan = ShardPlan::new(args, outputs, division, &file.settings, backend.name())?;
     let text = match args.format {
         PlanFormat::Shell => script::shell(&plan)?,
         PlanFormat::Slurm => script::slurm(&plan)?,
@@ -51,12 +57,11 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
         return Err(Error::input("the names or options of the plan have control characters")
             .with_help("a plan can only name files whose names have none; rename them"));
     }
-    print::result(&text)?;
-    Ok(Exit::Done)
+    Ok(text)
 }
 
 /// Returns the requested output files, or one named after the scene.
-fn outputs(args: &PlanArgs) -> OutputArgs {
+pub(super) fn outputs(args: &PlanArgs) -> OutputArgs {
     let mut outputs = args.output.clone();
     if outputs.files.is_empty() {
         let stem = args.scene.path.file_stem().unwrap_or_default();

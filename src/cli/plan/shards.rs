@@ -43,10 +43,10 @@ pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
         ))
         .with_help("use fewer shards, more samples (--spp), or divide the pixels with --by crop"));
     }
-    let ends = parts(0..blocks, shards);
-    Ok(ends
-        .map(|part| Shard::Samples(part.start * BLOCK_SIZE..(part.end * BLOCK_SIZE).min(samples)))
-        .collect())
+    // The end of the last block may be beyond u32.
+    let first = |block: u32| block.saturating_mul(BLOCK_SIZE).min(samples);
+    let ranges = parts(0..blocks, shards).map(|part| first(part.start)..first(part.end));
+    Ok(ranges.map(Shard::Samples).collect())
 }
 
 /// Divides the window into rectangles whose inner edges lie on the tile grid: bands or, if there
@@ -103,6 +103,8 @@ mod tests {
     fn ranges_of_samples_begin_at_blocks_and_cover_all() {
         assert_eq!(shown(&by_samples(100, 3).unwrap()), ["0..32", "32..64", "64..100"]);
         assert_eq!(shown(&by_samples(5, 1).unwrap()), ["0..5"]);
+        let most = by_samples(u32::MAX, 2).unwrap();
+        assert_eq!(shown(&most), ["0..2147483648", "2147483648..4294967295"]);
         let error = by_samples(64, 5).unwrap_err().to_string();
         assert_eq!(error, "64 samples per pixel are 4 blocks of 16, too few for 5 shards");
     }

@@ -37,7 +37,7 @@ pub(in crate::cli) struct RenderRequest {
 
 impl RenderRequest {
     /// Returns the render that the options of `photosphere render` ask for.
-    pub(super) fn of_args(args: &RenderArgs) -> Self {
+    pub(in crate::cli) fn of_args(args: &RenderArgs) -> Self {
         let job = Job {
             samples: args.samples.clone(),
             until: args.stop.stop_criteria(),
@@ -104,7 +104,7 @@ impl RenderRequest {
 
     /// Returns the output paths, each with its option. A `.part` file named by both `-o` and
     /// `--checkpoint` counts once.
-    pub(super) fn output_paths(&self) -> Vec<(&'static str, &Path)> {
+    pub(in crate::cli) fn output_paths(&self) -> Vec<(&'static str, &Path)> {
         let OutputSpec { files, preview, .. } = &self.delivery;
         let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
         let checkpoint = self.checkpoint.as_deref().map(|file| ("--checkpoint", file));

@@ -22,7 +22,7 @@ use super::interrupt::Interrupt;
 use super::print;
 
 use preview::Preview;
-use tev::Tev;
+pub(super) use tev::Tev;
 
 /// How long viewers may take for the final picture, after everything is saved.
 const PATIENCE: Duration = Duration::from_secs(5);

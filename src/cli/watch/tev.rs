@@ -16,7 +16,7 @@ const NUMBERS: usize = 1 << 20;
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// A picture in a running tev.
-pub(super) struct Tev {
+pub(in crate::cli) struct Tev {
     client: TevClient,
     /// The connection of `client`, kept to shut it down.
     stream: TcpStream,
@@ -29,7 +29,7 @@ impl Tev {
     ///
     /// # Errors
     /// If the address does not exist, or tev does not answer.
-    pub(super) fn connect(place: &str, name: String) -> Result<Self> {
+    pub(in crate::cli) fn connect(place: &str, name: String) -> Result<Self> {
         let failed = |e: io::Error| {
             Error::input(format!("cannot reach tev at `{place}`: {e}"))
                 .with_help("start tev first; by default it listens at 127.0.0.1:14158")
@@ -54,7 +54,7 @@ impl Tev {
 
     /// Returns a closure that closes the connection from another thread, even while a picture is
     /// being sent.
-    pub(super) fn disconnector(&self) -> Option<impl FnOnce() + use<>> {
+    pub(in crate::cli) fn disconnector(&self) -> Option<impl FnOnce() + use<>> {
         let stream = self.stream.try_clone().ok()?;
         Some(move || drop(stream.shutdown(Shutdown::Both)))
     }
@@ -63,7 +63,7 @@ impl Tev {
     ///
     /// # Errors
     /// If the connection to tev is lost.
-    pub(super) fn show(&mut self, picture: &Picture) -> io::Result<()> {
+    pub(in crate::cli) fn show(&mut self, picture: &Picture) -> io::Result<()> {
         let (width, height) = (picture.width, picture.height);
         if !self.is_there {
             self.client.send(PacketCreateImage {

@@ -49,7 +49,7 @@ impl MergeInput {
     /// Loads the scene of the part.
     ///
     /// # Errors
-    /// If the scene is not in a file or has changed.
+    /// If the scene is not in a regular file or has changed.
     pub(super) fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
         let file = self.header.source.as_ref().and_then(|source| source.file.clone());
         let Some(path) = file else {
@@ -57,6 +57,10 @@ impl MergeInput {
                 "leave out the layers sphere_id and material_id, which need the scene",
             ));
         };
+        // A pipe or a device that the part of a stranger names could keep the program waiting.
+        if path.exists() && !path.is_file() {
+            return Err(Error::file("read the scene", &path, "it is not a regular file"));
+        }
         let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
         let overrides: Vec<_> =
             overrides.map(|(key, value)| crate::scene::Override::new(key, value)).collect();
