@@ -6,8 +6,8 @@ use crate::light::LightSampleContext;
 use crate::material::MediumStack;
 use crate::math::{DVec3, NO_SPHERE};
 
-/// Hard limit on the edges of a path and on the surfaces it passes straight through. Paths that exceed it
-/// are counted and reported.
+/// Hard limit on the edges of a path and on the surfaces it passes straight through. Paths that
+/// exceed it are counted and reported.
 pub(super) const MAX_PATH_EDGES: u32 = 10_000;
 
 /// A path in progress.

@@ -20,10 +20,10 @@ const ROULETTE_MIN_DEPTH: u32 = 4;
 const MIN_TOTAL_REFLECTIONS: u16 = 64;
 
 /// Returns the probability of continuing after so many total reflections in succession, which may
-/// go on for ever. Of all paths, the fraction `64 / n` survives n of them: a path has a few hundred
-/// edges at most on average, and no weight grows beyond `n / 64`. With a constant probability q, the
-/// second moment of a weight is `q^-n`. Where a path finds a small emitter after 33 reflections on
-/// average, it is 1e52 for q = 0.95, and 1.08 here.
+/// go on for ever. Of all paths, the fraction `64 / n` survives n of them: a path has at most a few
+/// hundred edges on average, and no weight grows beyond `n / 64`. With a constant probability q,
+/// the second moment of a weight is `q^-n`. Where a path finds a small emitter after 33 reflections
+/// on average, it is 1e52 for q = 0.95, and 1.08 here.
 fn total_reflection_survival(count: u16) -> f32 {
     if count <= MIN_TOTAL_REFLECTIONS { 1.0 } else { f32::from(count - 1) / f32::from(count) }
 }
