@@ -193,7 +193,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         "an emitter in the ring of totally reflected light",
         "L = Le",
         Direct,
-        16,
+        4,
         uniform::emitter
     ),
     form!(
