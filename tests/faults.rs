@@ -61,6 +61,9 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::DepthOffByOne, "furnace-cut-short: path"),
     (Fault::RandomNumberReused, "sphere-light: paper"),
     (Fault::ShadowRayOpacityLost, "thin-occluder: path"),
+    (Fault::PassedMediumLost, "fog: path"),
+    (Fault::MisRecordLost, "fog: path"),
+    (Fault::TrapEverywhere, "trapped-light: path"),
     (Fault::BackgroundCameraOnly, "glass-in-a-field: path"),
 ];
 

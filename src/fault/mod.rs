@@ -94,6 +94,9 @@ registry! {
     DepthOffByOne: "paths are one edge longer than allowed",
     RandomNumberReused: "polar angle and azimuth share one random number",
     ShadowRayOpacityLost: "a shadow ray carries what a translucent surface absorbs",
+    PassedMediumLost: "a shadow ray is not dimmed by the media that it enters",
+    MisRecordLost: "a path that passes an index-matched boundary forgets its MIS record",
+    TrapEverywhere: "totally reflected light counts as trapped whatever reaches its ring",
     BackgroundCameraOnly: "the background lights nothing; only the camera sees it",
 }
 

@@ -91,6 +91,9 @@ pub enum PathEvent {
     /// The boundary just hit is hidden in a medium of higher priority; the path passes straight
     /// through.
     HiddenBoundary,
+    /// The boundary just hit has media of the same index on both sides; the path passes straight
+    /// through.
+    MatchedBoundary,
     /// The surface just hit failed the opacity test; the path passes straight through.
     Transparent,
     /// A light sample. It contributes only if a later [`PathEvent::ShadowRay`] is unoccluded.
@@ -98,7 +101,8 @@ pub enum PathEvent {
         /// The source, the direction `wi`, its pdf and the radiance `Le`, times the emitter's
         /// opacity.
         sample: LightSample,
-        /// Transmittance of the medium towards the light.
+        /// Transmittance of the medium towards the light; 1 in scenes where a shadow ray may enter
+        /// other media, whose visibility includes it.
         transmittance: Rgb,
         /// BSDF value for the light direction.
         f: Rgb,
@@ -112,8 +116,9 @@ pub enum PathEvent {
     /// The result of the shadow ray of the last light sample.
     ShadowRay {
         /// Fraction of light that passes: 1 if unoccluded, 0 behind an opaque surface, otherwise
-        /// the product of 1 minus opacity over the surfaces in between.
-        visibility: f32,
+        /// the product of 1 minus opacity over the surfaces in between, and of the transmittances
+        /// of the media if light can enter them in a straight line.
+        visibility: Rgb,
         /// Throughput times `f cos Le weight / p`, times visibility.
         contribution: Contribution,
     },
@@ -154,6 +159,8 @@ pub enum Termination {
     MaxDepth,
     /// The path reached the hard length limit.
     LengthLimit,
+    /// Total reflection keeps the path in a sphere in which it finds no light.
+    Trapped,
     /// The surface scatters no light in the sampled direction.
     Absorbed,
     /// The direction grazes the surface so closely that no ray leaves it.

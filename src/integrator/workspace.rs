@@ -1,6 +1,6 @@
 //! Reusable per-thread memory.
 
-use crate::color::VisibleSurface;
+use crate::color::{Rgb, VisibleSurface};
 use crate::material::MediumStack;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
@@ -20,13 +20,13 @@ pub struct Workspace {
     pub(super) prev_vertices: Vec<PrevVertex>,
     /// The media that each sample's path is in; empty in scenes without dielectrics.
     pub(super) media: Vec<MediumStack>,
-    /// The media that shadow rays start in, in scenes with partly transparent surfaces.
+    /// The media that shadow rays start in, in scenes with surfaces that they may pass.
     pub(super) shadow_media: Vec<MediumStack>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
     pub(super) occluded: Vec<bool>,
-    /// The unoccluded fraction of each shadow ray.
-    pub(super) visibility: Vec<f32>,
+    /// The fraction of its light that each shadow ray transmits.
+    pub(super) visibility: Vec<Rgb>,
     pub(super) records_visible_surfaces: bool,
     /// Each sample's first visible surface, if recorded.
     pub(super) visible_surfaces: Vec<VisibleSurface>,

@@ -68,6 +68,11 @@ impl Dielectric {
         Self { ior, priority, rough }
     }
 
+    /// Returns true if the surface has no microfacets.
+    pub fn is_smooth(&self) -> bool {
+        self.rough.is_none()
+    }
+
     /// Returns the BSDF for `eta`, the index of refraction beyond over that on this side: its own
     /// index over one of the `adjacent_iors`, or the inverse.
     pub fn bsdf(&self, eta: f64) -> DielectricBsdf<'_> {

@@ -7,13 +7,17 @@ use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
 use crate::light::Lights;
-use crate::material::{Medium, MediumStack};
+use crate::material::{Medium, MediumStack, Model};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
 use super::description;
+use super::light_trap::LightTrap;
 use super::scene::Scene;
 use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings};
+
+/// Balls around the camera that are examined; there is seldom more than one.
+const MAX_LIGHT_TRAPS: usize = 8;
 
 /// A scene, ready to be rendered with certain settings.
 #[derive(Debug)]
@@ -25,6 +29,7 @@ pub struct PreparedScene {
     filter: Filter,
     /// The dielectric spheres in which a camera ray can start, largest first.
     camera_media: Vec<(Sphere, Medium)>,
+    light_traps: Vec<LightTrap>,
 }
 
 impl PreparedScene {
@@ -47,6 +52,7 @@ impl PreparedScene {
             lights,
             camera,
             filter,
+            light_traps: find_light_traps(scene, &around_camera),
             camera_media: around_camera,
         })
     }
@@ -112,6 +118,15 @@ impl PreparedScene {
     }
 }
 
+impl PreparedScene {
+    /// Returns true if light that a sphere totally reflects from inside, at this point and into
+    /// this unit direction, is known to hit nothing but that sphere ever after, and so to find no
+    /// light.
+    pub fn is_light_trapped(&self, sphere: u32, point: DVec3, direction: DVec3) -> bool {
+        self.light_traps.iter().any(|trap| trap.holds(sphere, point, direction))
+    }
+}
+
 /// Checks the range of ray origins. Backends take coordinates up to four times [`MAX_COORDINATE`],
 /// and moving the origin may have used up two of them.
 fn check_reach(camera: &Camera, margin: f64) -> Result<()> {
@@ -135,6 +150,17 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
         (0..scene.spheres().len() as u32).into_par_iter().filter_map(around).collect();
     found.sort_by(|(a, _), (b, _)| b.radius.total_cmp(&a.radius));
     found
+}
+
+fn find_light_traps(scene: &Scene, camera_media: &[(Sphere, Medium)]) -> Vec<LightTrap> {
+    let is_dark_and_smooth = |id| {
+        let material = scene.sphere_material(id).material;
+        let is_smooth = matches!(&material.model, Model::Dielectric(glass) if glass.is_smooth());
+        is_smooth && !material.is_emissive()
+    };
+    let ids = camera_media.iter().map(|(_, medium)| medium.sphere);
+    let ids = ids.filter(|&id| is_dark_and_smooth(id)).take(MAX_LIGHT_TRAPS);
+    ids.filter_map(|id| LightTrap::new(scene.spheres(), id)).collect()
 }
 
 /// An opaque sphere around the camera.

@@ -18,6 +18,7 @@ use super::import::{ImportPlan, RowGroup, load_tables};
 use super::size::SceneSize;
 use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
 use super::sphere_material::{EmissiveMaterial, NOT_PLAIN, SphereMaterial, build_materials};
+use super::straight_boundaries;
 use super::validation_errors::ValidationErrors;
 
 /// Fewer spheres than this stay in the processor's cache without prefetching.
@@ -35,6 +36,7 @@ pub struct Scene {
     materials: Arc<[Material]>,
     has_opacity: bool,
     has_media: bool,
+    has_straight_boundaries: bool,
     /// The largest emission of a table's rows.
     max_row_emission: f32,
     groups: Arc<[RowGroup]>,
@@ -93,12 +95,16 @@ impl Scene {
             materials: materials.into(),
             has_opacity,
             has_media,
+            has_straight_boundaries: false,
             max_row_emission,
             groups: groups.into(),
             emitters: Vec::new().into(),
             background: Arc::new(background),
         };
         scene.emitters = scene.find_emitters().into();
+        let medium = |id| scene.sphere_material(id).medium(id);
+        scene.has_straight_boundaries =
+            has_media && straight_boundaries::may_exist(&scene.materials, &scene.spheres, medium);
         Ok(scene)
     }
 
@@ -244,6 +250,17 @@ impl Scene {
     /// Returns true if some material is a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// Returns true if light may pass some dielectric boundary in a straight line; false only if it
+    /// cannot. See [`SphereMaterial::is_straight`].
+    pub fn has_straight_boundaries(&self) -> bool {
+        self.has_straight_boundaries
+    }
+
+    /// Returns true if shadow rays may pass surfaces.
+    pub fn has_passable_surfaces(&self) -> bool {
+        self.has_opacity || self.has_straight_boundaries
     }
 
     /// Material index of the sphere in a row of the scene.

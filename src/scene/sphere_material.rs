@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use crate::color::Rgb;
 use crate::geometry::Side;
-use crate::material::{Dielectric, Material, Medium, MediumStack, Mirror, Model};
+use crate::material::{Boundary, Dielectric, Material, Medium, MediumStack, Mirror, Model};
 use crate::sampling::ln;
 
 use super::description::MaterialDescription;
@@ -90,6 +90,14 @@ impl<'a> SphereMaterial<'a> {
             absorption: self.absorption,
         };
         glass.map(of)
+    }
+
+    /// Returns true if light passes this boundary in a straight line and undiminished: one that is
+    /// hidden in another medium, or has media of the same index on both sides. A principled surface
+    /// of the same index still tints light.
+    pub fn is_straight(&self, boundary: &Boundary) -> bool {
+        let is_matched = || matches!(self.material.model, Model::Dielectric(_));
+        boundary.eta.is_none() || (boundary.eta == Some(1.0) && is_matched())
     }
 
     /// Returns true if no light passes through the surface.

@@ -120,7 +120,7 @@ fn is(step: &Value, name: &str) -> bool {
 
 #[test]
 fn the_path_is_the_one_that_render_takes() {
-    let arrives = |step: &Value| is(step, "shadow_ray") && step["V"] == 1.0;
+    let arrives = |step: &Value| is(step, "shadow_ray") && rgb(step, "V") == [1.0; 3];
     must_be_what_render_takes("paper/fig2.toml", "", &[arrives]);
     must_be_what_render_takes("cornell-spheres.toml", "", &[arrives]);
     let other = "--integrator direct --estimator light --sampler independent --max-depth 3";

@@ -12,7 +12,7 @@ use photosphere::scene::settings::{
 use photosphere::scene::{MaterialHandle, PreparedScene};
 use photosphere::task::CancelToken;
 
-use crate::kit::{Kit, built};
+use crate::kit::{Kit, built, glass};
 
 fn diffuse(albedo: [f32; 3], roughness: f64) -> SurfaceModel {
     SurfaceModel::Diffuse { albedo: albedo.into(), roughness }
@@ -126,7 +126,7 @@ type Change = (&'static str, fn(&mut Kit));
 
 #[test]
 fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
-    let changes: [Change; 10] = [
+    let changes: [Change; 11] = [
         ("as they are", |_| {}),
         ("aimed at", |kit| kit.settings.render.estimator = Estimator::Light),
         ("met by chance", |kit| kit.settings.render.estimator = Estimator::Bsdf),
@@ -135,6 +135,9 @@ fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
         ("independent", |kit| kit.settings.render.sampler = SamplerKind::Independent),
         ("direct", |kit| kit.settings.render.integrator = IntegratorSettings::Direct),
         ("by power", |kit| kit.settings.render.light_choice = LightSamplerKind::Power),
+        ("in shells that let light through", |kit| {
+            kit.ball([-1.0, 2.5, 0.0], 0.7, glass(1.0)).ball([-2.0, 1.0, 0.0], 1.2, glass(1.0));
+        }),
         ("cut open", |kit| kit.scene.description.camera.near = 5.5),
         ("blurred", |kit| {
             let filter = FilterKind::Gaussian;

@@ -5,6 +5,7 @@
 //! for the significance of that) and 1e-5 relative.
 
 mod agreement;
+mod boundaries;
 mod cameras;
 mod furnaces;
 mod integrators;
@@ -25,3 +26,4 @@ mod reproducible;
 mod rough;
 mod scenes;
 mod split;
+mod trapped;

@@ -9,7 +9,7 @@ use super::super::context::RenderContext;
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
-use super::opacity;
+use super::opacity::ShadowWalk;
 use super::path_tracer::PathTracer;
 use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
 
@@ -129,36 +129,34 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         std::mem::swap(paths, next_paths);
 
         // Trace the shadow rays.
-        if self.context.scene.has_opacity() {
-            let opacity_stats = opacity::trace_visibility(
-                self.context,
-                shadow_rays,
-                shadow_media,
-                rays,
-                hits,
-                visibility,
-            );
-            self.stats = self.stats + opacity_stats;
-            shadow_rays
-                .pending
-                .iter()
-                .zip(&*visibility)
-                .for_each(|(pending, &visibility)| self.add_direct(pending, visibility));
-        } else {
-            occluded.clear();
-            occluded.resize(shadow_rays.pending.len(), false);
+        occluded.clear();
+        occluded.resize(shadow_rays.pending.len(), false);
+        if !self.context.scene.has_opacity() {
             self.context.accel.occluded_path_rays(spheres, &shadow_rays.rays, rays, occluded);
             self.stats.count_path_rays(&shadow_rays.rays, isa);
+        }
+        if self.context.scene.has_passable_surfaces() {
+            visibility.clear();
+            visibility.resize(shadow_rays.pending.len(), Rgb::ONE);
+            let (context, stats) = (self.context, RenderStats::default());
+            let media = shadow_media;
+            let mut walk = ShadowWalk { context, shadow_rays, media, visibility, stats };
+            walk.run(occluded, rays, hits);
+            self.stats = self.stats + walk.stats;
+            for (pending, &visibility) in shadow_rays.pending.iter().zip(&*visibility) {
+                self.add_direct(pending, visibility);
+            }
+        } else {
             for (pending, &is_occluded) in shadow_rays.pending.iter().zip(&*occluded) {
-                self.add_direct(pending, if is_occluded { 0.0 } else { 1.0 });
+                self.add_direct(pending, if is_occluded { Rgb::ZERO } else { Rgb::ONE });
             }
         }
     }
 
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
-    fn add_direct(&mut self, pending: &PendingDirect, visibility: f32) {
-        if visibility == 0.0 && !R::ENABLED {
+    fn add_direct(&mut self, pending: &PendingDirect, visibility: Rgb) {
+        if visibility == Rgb::ZERO && !R::ENABLED {
             return;
         }
         let contribution =

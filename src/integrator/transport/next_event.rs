@@ -24,8 +24,22 @@ impl ShadowQueue<'_> {
     ) {
         let Some((ray, pending, media)) = direct else { return };
         self.shadow_rays.push(&ray, pending);
-        if scene.has_opacity() {
+        if scene.has_passable_surfaces() {
             self.media.push(media.clone());
+        }
+    }
+
+    /// Adds a shadow ray that starts outside of all media.
+    #[inline(always)]
+    pub(super) fn push_from_vacuum(
+        &mut self,
+        scene: &Scene,
+        ray: &PathRay,
+        pending: PendingDirect,
+    ) {
+        self.shadow_rays.push(ray, pending);
+        if scene.has_passable_surfaces() {
+            self.media.push(MediumStack::VACUUM);
         }
     }
 }
@@ -58,13 +72,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let transmitted = transmitted_media.filter(|_| wi.z < 0.0);
         let media = transmitted.unwrap_or_else(|| self.media_of(path));
-        let spawn = match scene.has_opacity() {
+        let spawn = match scene.has_passable_surfaces() {
             true => SurfaceHit::spawn_ray_to,
             false => SurfaceHit::spawn_shadow_ray,
         };
         let ray = spawn(&ctx.hit, light.direction, light.distance, light.source.sphere_id())?;
         light.radiance = opacity::emitter_radiance(scene, &light, ctx, media);
-        let transmittance = match scene.has_media() {
+        // A shadow ray that may enter other media multiplies by their transmittances itself.
+        let transmittance = match scene.has_media() && !scene.has_straight_boundaries() {
             true => media.transmittance(light.distance),
             false => Rgb::ONE,
         };

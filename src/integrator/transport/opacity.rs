@@ -1,9 +1,16 @@
-//! Shadow rays through surfaces that are partly transparent (opacity below 1).
+//! Shadow rays through surfaces that are partly transparent (opacity below 1) and through straight
+//! boundaries of media (see [`SphereMaterial::is_straight`]).
 //!
-//! A path makes a random opacity test at every such surface. A shadow ray does not: it steps from
-//! surface to surface with closest-hit queries and multiplies its light by the transmitted
-//! fractions, which has the same mean and less noise. MIS weights are unaffected: visibility is a
-//! factor of the transported light, the same for light sampling and BSDF sampling.
+//! A path makes a random opacity test at every partly transparent surface. A shadow ray does not:
+//! it steps from surface to surface with closest-hit queries and multiplies its light by the
+//! transmitted fractions, which has the same mean and less noise. MIS weights are unaffected:
+//! visibility is a factor of the transported light, the same for light sampling and BSDF sampling.
+//!
+//! Both also pass straight boundaries, and the media behind dim their light alike. Only a glass
+//! sphere that is present with a probability is left to BSDF sampling where it is present: the
+//! shadow ray passes it as absent.
+//!
+//! [`SphereMaterial::is_straight`]: crate::scene::SphereMaterial::is_straight
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -33,72 +40,109 @@ pub(super) fn is_back_face_of_emitter(
     hit: &SurfaceHit,
 ) -> bool {
     let is_within = |at: &LightSampleContext| at.is_inside(hit.id, &scene.spheres().sphere(hit.id));
-    scene.has_opacity()
+    scene.has_passable_surfaces()
         && hit.side == Side::Inside
         && prev.is_some_and(|prev| !is_within(&prev.light_sample_context(scene.spheres())))
 }
 
-/// Traces all shadow rays to their ends and sets the visibility of each. `media` are those that
-/// each ray starts in. A shadow ray never enters a medium: it either passes a surface straight
-/// through or ends there.
-pub(super) fn trace_visibility(
-    context: RenderContext<'_>,
-    shadow_rays: &mut ShadowRays,
-    media: &[MediumStack],
-    rays: &mut Vec<Ray>,
-    hits: &mut Vec<Hit>,
-    visibility: &mut Vec<f32>,
-) -> RenderStats {
-    let spheres = context.scene.spheres();
-    let mut stats = RenderStats::default();
-    visibility.clear();
-    visibility.resize(shadow_rays.pending.len(), 1.0);
-    let mut active: Vec<usize> = (0..shadow_rays.pending.len()).collect();
-    for _ in 0..MAX_PATH_EDGES {
-        // Estimates made after cancellation are discarded.
-        if active.is_empty() || context.cancel.is_cancelled() {
-            return stats;
-        }
-        rays.clear();
-        rays.extend(active.iter().map(|&i| spheres.to_query(&shadow_rays.rays.get(i))));
-        hits.clear();
-        hits.resize(rays.len(), Hit::MISS);
-        context.accel.closest(rays, hits);
-        stats.count_rays(rays);
-        let mut results = hits.iter();
-        active.retain(|&i| {
-            let hit = results.next().copied().unwrap_or(Hit::MISS);
-            let hit = spheres.resolve_hit(&shadow_rays.rays.get(i), hit);
-            let Some(hit) = hit else { return false };
-            let (transmitted, ray) =
-                surface_visibility(context.scene, &shadow_rays.rays.get(i), &media[i], &hit);
-            visibility[i] *= transmitted;
-            let behind = ray.filter(|_| visibility[i] > 0.0);
-            behind.inspect(|ray| shadow_rays.rays.set(i, ray)).is_some()
-        });
-    }
-    stats.truncated_paths += active.len() as u64;
-    active.into_iter().for_each(|i| visibility[i] = 0.0);
-    stats
+/// The shadow rays of a stage, on their way through surfaces.
+pub(super) struct ShadowWalk<'a> {
+    pub(super) context: RenderContext<'a>,
+    pub(super) shadow_rays: &'a mut ShadowRays,
+    /// The media that each ray is in.
+    pub(super) media: &'a mut [MediumStack],
+    /// The fraction of its light that each ray has transmitted so far.
+    pub(super) visibility: &'a mut [Rgb],
+    pub(super) stats: RenderStats,
 }
 
-/// Returns the fraction of light that a surface transmits, and the ray behind it unless it ends.
-fn surface_visibility(
-    scene: &Scene,
-    ray: &PathRay,
-    media: &MediumStack,
-    hit: &SurfaceHit,
-) -> (f32, Option<PathRay>) {
-    let (emitter, remaining) = (ray.target_sphere, ray.t_max - hit.t);
-    if hit.id == emitter || remaining <= 0.0 {
-        return (1.0, None);
+impl ShadowWalk<'_> {
+    /// Traces all shadow rays to their ends. Without partly transparent surfaces, `occluded` says
+    /// which of them hit anything but their exit point.
+    pub(super) fn run(&mut self, occluded: &[bool], rays: &mut Vec<Ray>, hits: &mut Vec<Hit>) {
+        let scene = self.context.scene;
+        let spheres = scene.spheres();
+        let mut active: Vec<usize> = (0..occluded.len())
+            .filter(|&i| {
+                let ray = self.shadow_rays.rays.get(i);
+                let may_hit = scene.has_opacity() || occluded[i] || ray.t_exit < ray.t_max;
+                may_hit || self.arrive(i)
+            })
+            .collect();
+        for _ in 0..MAX_PATH_EDGES {
+            // Estimates made after cancellation are discarded.
+            if active.is_empty() || self.context.cancel.is_cancelled() {
+                return;
+            }
+            rays.clear();
+            rays.extend(active.iter().map(|&i| spheres.to_query(&self.shadow_rays.rays.get(i))));
+            hits.clear();
+            hits.resize(rays.len(), Hit::MISS);
+            self.context.accel.closest(rays, hits);
+            self.stats.count_rays(rays);
+            let mut results = hits.iter();
+            active.retain(|&i| {
+                let hit = results.next().copied().unwrap_or(Hit::MISS);
+                let ray = self.shadow_rays.rays.get(i);
+                let hit = spheres.resolve_hit(&ray, hit);
+                match hit {
+                    Some(hit) => self.advance(i, &ray, &hit),
+                    None => self.arrive(i),
+                }
+            });
+        }
+        self.stats.truncated_paths += active.len() as u64;
+        active.into_iter().for_each(|i| self.visibility[i] = Rgb::ZERO);
     }
-    let opacity = scene.sphere_material(hit.id).opacity(hit.id, hit.side, media);
-    let behind = hit.spawn_ray_to(ray.direction, remaining, emitter);
-    if opacity >= 1.0 || behind.is_none() {
-        return (0.0, None);
+
+    /// Ends a ray that nothing stops any more. Returns false.
+    fn arrive(&mut self, index: usize) -> bool {
+        self.absorb(index, self.shadow_rays.rays.get(index).t_max);
+        false
     }
-    (if fault!(ShadowRayOpacityLost) { opacity } else { 1.0 - opacity }, behind)
+
+    /// Multiplies by the transmittance of the medium that a ray is in. Where no light can enter
+    /// another medium, the pending contribution includes it.
+    fn absorb(&mut self, index: usize, distance: f64) {
+        if self.context.scene.has_straight_boundaries() && !fault!(PassedMediumLost) {
+            self.visibility[index] *= self.media[index].transmittance(distance);
+        }
+    }
+
+    /// Moves a ray behind the surface that it hits. Returns false if it ends there.
+    fn advance(&mut self, index: usize, ray: &PathRay, hit: &SurfaceHit) -> bool {
+        let (emitter, remaining) = (ray.target_sphere, ray.t_max - hit.t);
+        if hit.id == emitter || remaining <= 0.0 {
+            return self.arrive(index);
+        }
+        self.absorb(index, hit.t);
+        let behind = hit.spawn_ray_to(ray.direction, remaining, emitter);
+        let transmitted = if behind.is_some() { self.pass(index, hit) } else { 0.0 };
+        self.visibility[index] *= transmitted;
+        let behind = behind.filter(|_| self.visibility[index] != Rgb::ZERO);
+        behind.inspect(|ray| self.shadow_rays.rays.set(index, ray)).is_some()
+    }
+
+    /// Returns the fraction of light that a surface transmits, and enters the medium behind it.
+    fn pass(&mut self, index: usize, hit: &SurfaceHit) -> f32 {
+        let scene = self.context.scene;
+        let surface = scene.sphere_material(hit.id);
+        let media = &mut self.media[index];
+        let opacity = surface.opacity(hit.id, hit.side, media);
+        if opacity < 1.0 {
+            return if fault!(ShadowRayOpacityLost) { opacity } else { 1.0 - opacity };
+        }
+        if !scene.has_straight_boundaries() {
+            return 0.0;
+        }
+        let Some(medium) = surface.medium(hit.id) else { return 0.0 };
+        let boundary = media.boundary(medium, hit.side == Side::Outside);
+        if !surface.is_straight(&boundary) {
+            return 0.0;
+        }
+        *media = boundary.transmitted_media;
+        1.0
+    }
 }
 
 /// Returns the radiance that a light sends to a shading point in `media`, including its own

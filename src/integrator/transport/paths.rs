@@ -6,8 +6,8 @@ use crate::light::LightSampleContext;
 use crate::material::MediumStack;
 use crate::math::{DVec3, NO_SPHERE};
 
-/// Hard limit on the edges of a path and on the hidden boundaries it passes. Paths that exceed it
-/// are counted and reported.
+/// Hard limit on the edges of a path and on the surfaces it passes straight through. Paths that
+/// exceed it are counted and reported.
 pub(super) const MAX_PATH_EDGES: u32 = 10_000;
 
 /// A path in progress.
@@ -27,8 +27,10 @@ pub(super) struct PathState {
     /// Number of vertices so far that scattered light in more than one direction.
     pub(super) scatter_count: u32,
     pub(super) redraws: u32,
-    /// Number of hidden boundaries passed straight through.
+    /// Number of surfaces passed straight through.
     pub(super) passthroughs: u32,
+    /// Number of total reflections since the path last did anything else.
+    pub(super) total_reflections: u16,
     /// True if the ray was sampled from a density; see
     /// [`PathBatch::pdf_light`](super::batch::PathBatch::pdf_light).
     pub(super) has_prev_vertex: bool,
@@ -72,7 +74,7 @@ pub(in crate::integrator) struct ShadowRays {
 /// The queue that a stage pushes shadow rays to.
 pub(super) struct ShadowQueue<'w> {
     pub(super) shadow_rays: &'w mut ShadowRays,
-    /// The media that each ray starts in, in scenes with partly transparent surfaces.
+    /// The media that each ray starts in, in scenes with surfaces that shadow rays may pass.
     pub(super) media: &'w mut Vec<MediumStack>,
 }
 
@@ -86,6 +88,7 @@ impl PathState {
             scatter_count: 0,
             redraws: 0,
             passthroughs: 0,
+            total_reflections: 0,
             has_prev_vertex: false,
             eta_scale: 1.0,
         }

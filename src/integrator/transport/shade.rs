@@ -28,7 +28,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let radiance = if path.state.depth == 1 {
             // The path has not scattered yet: it comes straight from the camera.
             let radiance = scene.camera_background(direction);
-            self.radiance[path.state.batch_index as usize].alpha = radiance.alpha;
+            self.set_background_alpha(&path.state);
             self.record_background(path, radiance.direct);
             radiance.direct
         } else {
@@ -54,7 +54,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     #[inline(always)]
     pub(super) fn shade_constant_miss(&mut self, state: &PathState, mut radiance: Rgb) {
         if state.depth == 1 {
-            self.radiance[state.batch_index as usize].alpha = 0.0;
+            self.set_background_alpha(state);
             if !self.context.scene.camera_sees_background() {
                 radiance = Rgb::ZERO;
             }
@@ -67,6 +67,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
                 self.clamp_contribution(state.throughput * radiance, state.is_direct());
             self.add_contribution(state.batch_index, contribution);
         }
+    }
+
+    /// Sets the alpha of a sample that sees the background: what the media in between absorb.
+    #[inline(always)]
+    fn set_background_alpha(&mut self, state: &PathState) {
+        self.radiance[state.batch_index as usize].alpha = 1.0 - state.throughput.max_element();
     }
 
     /// Shades a path that hits a surface. Returns true if the path continues.
@@ -98,14 +104,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return self.pass_transparent(path, &hit);
         }
 
-        // Pass straight through a dielectric boundary that is hidden in another dielectric.
+        // Pass a dielectric boundary that is hidden in another dielectric or matches its index.
         let entering = hit.side == Side::Outside;
         let boundary = surface.medium(hit.id).map(|m| self.media_of(path).boundary(m, entering));
         let transmitted_media = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
-        let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
-        let Some(eta) = eta else {
-            return self.pass_hidden_boundary(path, &hit, transmitted_media);
-        };
+        if let Some(boundary) = boundary.as_ref().filter(|boundary| surface.is_straight(boundary)) {
+            let is_passable = scene.has_straight_boundaries() && opacity >= 1.0;
+            return self.pass_boundary(path, &hit, boundary, is_passable);
+        }
+        let eta = boundary.as_ref().and_then(|boundary| boundary.eta).unwrap_or(1.0);
 
         // Is another edge allowed?
         if self.is_at_max_depth(&path.state) {
@@ -154,8 +161,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if sample.lobe != Lobe::Delta && !may_scatter {
             return self.terminate(Termination::DirectOnly);
         }
-        let continues =
-            self.scatter(path, &ctx, &sample, frame.to_world(sample.wi), transmitted_media);
+        let direction = frame.to_world(sample.wi);
+        if self.is_trapped(path, hit, &sample, eta, direction) {
+            return self.terminate(Termination::Trapped);
+        }
+        let continues = self.scatter(path, &ctx, &sample, direction, transmitted_media);
         path.state.depth += 1;
         continues
     }

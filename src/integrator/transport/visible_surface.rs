@@ -27,7 +27,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
         let emission = throughput * (surface.material.emission * opacity);
         let is_seen = opacity::passes_opacity_test(path, self.sampler(path), opacity)
-            && !self.is_hidden_boundary(path, &hit);
+            && !self.is_straight_boundary(path, &hit);
         let record = &mut self.visible_surfaces[path.state.batch_index as usize];
         aov::add_emission(record, emission);
         if is_seen {
@@ -45,10 +45,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Returns true if the hit is a dielectric boundary hidden in another dielectric.
-    fn is_hidden_boundary(&self, path: &Path, hit: &SurfaceHit) -> bool {
-        let medium = self.context.scene.sphere_material(hit.id).medium(hit.id);
+    /// Returns true if the hit is a dielectric boundary that the path passes in a straight line.
+    fn is_straight_boundary(&self, path: &Path, hit: &SurfaceHit) -> bool {
+        let surface = self.context.scene.sphere_material(hit.id);
         let entering = hit.side == Side::Outside;
-        medium.is_some_and(|medium| self.media_of(path).boundary(medium, entering).eta.is_none())
+        let media = self.media_of(path);
+        let boundary = surface.medium(hit.id).map(|medium| media.boundary(medium, entering));
+        boundary.is_some_and(|boundary| surface.is_straight(&boundary))
     }
 }

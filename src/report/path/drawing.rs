@@ -3,6 +3,7 @@
 //! Everything is projected orthographically on the vertical plane in which the path is widest.
 //! Spheres are drawn as outlines.
 
+use crate::color::Rgb;
 use crate::draw::{Canvas, SideView};
 use crate::integrator::{PathEvent, PathTrace};
 use crate::light::LightSource;
@@ -109,7 +110,7 @@ impl Sketch {
                     let Some(&from) = sketch.vertices.last() else { continue };
                     let is_finite = sample.distance.is_finite();
                     sketch.lines.push(Line {
-                        class: if visibility == 0.0 { "occluded" } else { "unoccluded" },
+                        class: if visibility == Rgb::ZERO { "occluded" } else { "unoccluded" },
                         from,
                         to: is_finite.then(|| from + sample.distance * sample.direction),
                         direction: sample.direction,

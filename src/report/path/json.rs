@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::color::Rgb;
 use crate::integrator::{PathEvent, PathTrace};
 use crate::scene::{PreparedScene, Scene};
 
@@ -69,6 +70,7 @@ fn event_json(scene: &Scene, event: &PathEvent) -> Value {
             })
         }
         PathEvent::HiddenBoundary => json!({ "event": "hidden_boundary" }),
+        PathEvent::MatchedBoundary => json!({ "event": "matched_boundary" }),
         PathEvent::Transparent => json!({ "event": "transparent" }),
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
             "event": "light_sample",
@@ -85,7 +87,7 @@ fn event_json(scene: &Scene, event: &PathEvent) -> Value {
         }),
         PathEvent::ShadowRay { visibility, contribution } => json!({
             "event": "shadow_ray",
-            "is_occluded": *visibility == 0.0,
+            "is_occluded": *visibility == Rgb::ZERO,
             "V": visibility,
             "clamp": contribution.clamp,
             "contribution": contribution.radiance,

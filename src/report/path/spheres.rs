@@ -1,5 +1,6 @@
 //! Describes what a path's events refer to, in the user's terms.
 
+use crate::color::Rgb;
 use crate::integrator::{Contribution, PathEvent};
 use crate::light::LightSource;
 use crate::math::DVec3;
@@ -25,12 +26,12 @@ pub(super) fn to_scene(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample at event `light_sample`: the unoccluded fraction and the
+/// Result of the light sample at event `light_sample`: the transmitted fraction and the
 /// contribution. `None` if no ray could be spawned.
 pub(super) fn shadow_result(
     events: &[PathEvent],
     light_sample: usize,
-) -> Option<(f32, Contribution)> {
+) -> Option<(Rgb, Contribution)> {
     let later = &events[light_sample + 1..];
     let before_next =
         later.iter().take_while(|event| !matches!(event, PathEvent::LightSample { .. }));

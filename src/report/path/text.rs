@@ -96,6 +96,9 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
             "     boundary hidden by a medium of higher priority: passes straight through\n"
                 .to_owned()
         }
+        PathEvent::MatchedBoundary => {
+            "     boundary between media of the same index: passes straight through\n".to_owned()
+        }
         PathEvent::Transparent => {
             "     transparent for this path: passes straight through\n".to_owned()
         }
@@ -126,15 +129,15 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
 }
 
 /// Describes the result of a light sample; `tau` is the symbol of the medium's transmittance.
-fn shadow_text(tau: &str, shadow_result: Option<(f32, Contribution)>) -> String {
+fn shadow_text(tau: &str, shadow_result: Option<(Rgb, Contribution)>) -> String {
     match shadow_result {
         None => "     grazing: no shadow ray leaves the surface\n".to_owned(),
-        Some((0.0, _)) => "     occluded\n".to_owned(),
-        Some((1.0, contribution)) => {
+        Some((Rgb::ZERO, _)) => "     occluded\n".to_owned(),
+        Some((Rgb::ONE, contribution)) => {
             contribution_text(&format!("T f_r |cos| L_e{tau} w / p"), contribution)
         }
         Some((visibility, contribution)) => {
-            let visibility_text = number(f64::from(visibility));
+            let visibility_text = color(visibility);
             format!("     partly occluded: V = {visibility_text}\n")
                 + &contribution_text(&format!("T f_r |cos| L_e{tau} V w / p"), contribution)
         }
@@ -210,6 +213,7 @@ pub(super) fn reason(termination: Termination) -> &'static str {
         Termination::Escaped => "the ray escapes",
         Termination::MaxDepth => "max_depth is reached",
         Termination::LengthLimit => "the hard limit on the path length is reached",
+        Termination::Trapped => "total reflection keeps it in a sphere where it finds no light",
         Termination::Absorbed => "the surface scatters no light in the sampled direction",
         Termination::Grazing => "the sampled direction grazes the surface",
         Termination::LowThroughput => {

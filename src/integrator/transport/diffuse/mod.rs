@@ -163,10 +163,9 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
                 let unbounded = PathRay::new(point, direction);
                 let ray = PathRay { origin_sphere: id, target_sphere: emitter, t_max, ..unbounded };
                 let is_direct = state.is_light_sample_direct();
-                shadow_queue.shadow_rays.push(
-                    &ray,
-                    PendingDirect { batch_index: state.batch_index, radiance: light, is_direct },
-                );
+                let pending =
+                    PendingDirect { batch_index: state.batch_index, radiance: light, is_direct };
+                shadow_queue.push_from_vacuum(self.context.scene, &ray, pending);
             }
         }
         let cos = if fault!(CosineTwice) { batch.bsdf.cos.0[lane] as f32 } else { 1.0 };

@@ -3,8 +3,9 @@
 use crate::scene::PreparedScene;
 use crate::scene::description::SurfaceModel;
 use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
+use crate::verify::quadrature::integral;
 
-use super::{background_radiance, material};
+use super::{albedo, background_radiance, emission, material};
 
 /// Sums the series of internal reflections in one ball. All chords of a path have equal length.
 pub(super) fn absorption(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
@@ -23,6 +24,30 @@ pub(super) fn absorption(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f
         let refracted = (1.0 - reflectance) * (1.0 - reflectance) * transmittance
             / (1.0 - reflectance * transmittance);
         Some((0, background * (reflectance + refracted)))
+    })
+}
+
+/// A ball in the middle of a ball of fog, inside an emitter.
+pub(super) fn fog(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let (ball, fog) = (spheres[0], spheres[1]);
+    let (a, le) = (albedo(prepared, "ball"), emission(prepared, "lamp"));
+    let k = match &material(prepared, "fog").surface {
+        SurfaceModel::Dielectric { absorption, .. } => f64::from(absorption.y),
+        _ => 0.0,
+    };
+    let dimmed = |cos: f64| {
+        let (depth, cos) = (fog.radius * fog.radius - ball.radius * ball.radius, cos * ball.radius);
+        libm::exp(-k * ((depth + cos * cos).sqrt() - cos))
+    };
+    let irradiance = integral(0.0, 1.0, 4 * nodes, |cos| 2.0 * cos * dimmed(cos));
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let Some(entry) = ray.hit_distance(&fog) else { return Some((2, le)) };
+        let Some(t) = ray.hit_distance(&ball) else {
+            let along = (fog.center - ray.origin).dot(ray.direction);
+            return Some((1, le * libm::exp(-2.0 * k * (along - entry))));
+        };
+        Some((0, a * le * irradiance * libm::exp(-k * (t - entry))))
     })
 }
 

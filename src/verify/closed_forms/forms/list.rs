@@ -181,6 +181,22 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         glass::emitter_in_glass
     ),
     form!(
+        "fog",
+        "a diffuse ball in fog that bends no light",
+        "L = a Le exp(-k s) ∫ exp(-k l(t)) 2 cos t d(cos t) on the ball, Le exp(-k s) beside it",
+        Direct,
+        16,
+        absorption::fog
+    ),
+    form!(
+        "trapped-light",
+        "an emitter in the ring of totally reflected light",
+        "L = Le",
+        Direct,
+        4,
+        uniform::emitter
+    ),
+    form!(
         "sun-and-sky",
         "a ball under a sun and a sky that is brighter above",
         "L = a (Lh + ⅔ g n_y + F E / (π sin² s))",

@@ -16,6 +16,11 @@ pub(super) fn furnace_cut_short(prepared: &PreparedScene, _: usize) -> Vec<Optio
     uniform_solution(prepared, (0..edges).map(|k| le * libm::pow(a, f64::from(k))).sum())
 }
 
+/// Returns the radiance of the emitter that every path finds.
+pub(super) fn emitter(prepared: &PreparedScene, _: usize) -> Vec<Option<f64>> {
+    uniform_solution(prepared, emission(prepared, "lamp"))
+}
+
 /// Returns the background radiance, unchanged by the scene.
 pub(super) fn background(prepared: &PreparedScene, _: usize) -> Vec<Option<f64>> {
     uniform_solution(prepared, background_radiance(prepared))
