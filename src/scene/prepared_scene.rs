@@ -116,9 +116,7 @@ impl PreparedScene {
         let containing = self.camera_media.iter().filter(|(sphere, _)| sphere.contains(point));
         containing.fold(MediumStack::VACUUM, |media, (_, medium)| media.with(*medium))
     }
-}
 
-impl PreparedScene {
     /// Returns true if light that a sphere totally reflects from inside, at this point and into
     /// this unit direction, is known to hit nothing but that sphere ever after, and so to find no
     /// light.
