@@ -5,6 +5,17 @@
 //! else { right }`. Without the feature `faults`, which only that test uses, the condition is the
 //! constant `false` and the fault is not compiled. With the feature, the condition is one atomic
 //! load.
+//!
+//! A test build can also leave out vector instructions that the processor has
+//! ([`VectorWidth`]; `tests/instruction_sets.rs`).
+
+mod vector_width;
+
+#[cfg_attr(not(feature = "faults"), allow(unreachable_pub, reason = "one list for both"))]
+pub use vector_width::VectorWidth;
+pub(crate) use vector_width::allows;
+#[cfg(feature = "faults")]
+pub use vector_width::limit_vectors;
 
 /// Returns true if a fault is enabled.
 macro_rules! fault {

@@ -10,7 +10,7 @@
 //! a processor that supports it. An [`Isa`] other than the portable one is created only in
 //! [`Isa::available`], which queries the processor.
 
-use std::sync::LazyLock;
+use crate::fault::{VectorWidth, allows};
 
 /// An instruction set that this processor supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,11 +41,12 @@ impl Isa {
         let mut found = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx2") {
+            if allows(VectorWidth::Avx2) && is_x86_feature_detected!("avx2") {
                 found.push(Self(Level::Avx2));
             }
             #[cfg(has_avx512)]
-            if is_x86_feature_detected!("avx512f")
+            if allows(VectorWidth::Avx512)
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512vl")
@@ -58,9 +59,7 @@ impl Isa {
 
     /// Returns the widest available instruction set.
     pub fn best() -> Self {
-        static BEST: LazyLock<Isa> =
-            LazyLock::new(|| Isa::available().pop().unwrap_or(Isa::PORTABLE));
-        *BEST
+        Self::available().pop().unwrap_or(Self::PORTABLE)
     }
 
     /// Returns the display name.

@@ -82,6 +82,22 @@ fn control_characters_of_files_and_names_do_not_reach_the_terminal() {
     is_inert(&told);
 }
 
+/// The random dimensions of paths that end at once wrap, also where arithmetic is checked.
+#[test]
+fn a_lens_before_a_lone_emitter_is_no_overflow() {
+    let desk = Desk::new(
+        "format = 1\nimage = { width = 1, height = 1 }\n\
+         camera = { position = [0, 0, 0], look_at = [0, 0, -1], vertical_fov_degrees = 30, \
+         aperture_radius = 0.3, focus_distance = 4 }\n\
+         materials.lamp = { type = \"diffuse\", albedo = [0, 0, 0], emission = [5, 5, 5] }\n\
+         spheres = [{ center = [0, 0, -8], radius = 0.8, material = \"lamp\" }]\n",
+    );
+    for intersector in ["native", "brute-force"] {
+        let render = format!("render scene.toml -o a.pfm --spp 64 --accel {intersector} --quiet");
+        assert_eq!(desk.run(&render).succeeds().stderr, "");
+    }
+}
+
 #[test]
 fn pictures_are_read_from_ordinary_files_only() {
     let scene = SCENE.replace("radiance = [0.5, 0.6, 0.7]", "image = { file = \"e.hdr\" }");
@@ -126,6 +142,57 @@ fn threads_that_cannot_start_are_an_error() {
         told.fails(3, &[words, "help: set it to a smaller number"]);
     }
     assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
+}
+
+/// The program run by a user who may have so many processes and threads at a time, and may touch
+/// the files of this one: root has no limit.
+#[cfg(target_os = "linux")]
+fn with_few_threads(desk: &Desk, threads: usize, arguments: &str) -> Outcome {
+    // No process of the system has this user.
+    const USER: &str = "1987654321";
+    let mut command = Command::new("prlimit");
+    command.arg(format!("--nproc={threads}")).args(["setpriv", "--clear-groups"]);
+    command.args(["--reuid", USER, "--regid", USER, "--bounding-set=-all,+dac_override"]);
+    command.args(["--inh-caps=+dac_override", "--ambient-caps=+dac_override", PROGRAM]);
+    outcome(command.args(arguments.split_whitespace()).current_dir(desk.path()))
+}
+
+/// Whichever thread cannot start, the program says so, or renders without that thread.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_that_the_system_denies_are_an_error_or_a_warning() {
+    use std::io::{self, Write};
+    use std::os::unix::fs::MetadataExt;
+    let desk = Desk::new(SCENE);
+    let installed = |program| Command::new(program).arg("--version").output().is_ok();
+    let is_root = desk.path().metadata().is_ok_and(|folder| folder.uid() == 0);
+    if !is_root || !installed("prlimit") || !installed("setpriv") {
+        // Past the test harness, which would swallow it: a check left out must be seen.
+        writeln!(io::stderr(), "SKIPPED: threads that cannot start need root, prlimit and setpriv")
+            .expect("told");
+        return;
+    }
+    let render = "render scene.toml -o a.png --threads 4 --checkpoint a.part --accel native";
+    let mut codes = Vec::new();
+    for threads in 1..14 {
+        let told = with_few_threads(&desk, threads, render);
+        let words = if told.code == Some(0) { "wrote a.png" } else { "error: cannot start " };
+        assert!(told.stderr.contains(words), "{threads} threads: {}", told.stderr);
+        assert!(!told.stderr.contains("panic"), "{threads} threads: {}", told.stderr);
+        codes.push(told.code);
+        for name in ["a.png", "a.part"] {
+            let _ = fs::remove_file(desk.path().join(name));
+        }
+    }
+    // With one thread nothing works, with 13 all does, and more are never worse.
+    assert!(codes.is_sorted_by_key(|code| *code == Some(0)), "{codes:?}");
+    assert_eq!((codes[0], codes[12]), (Some(3), Some(0)), "{codes:?}");
+    if cfg!(feature = "embree") {
+        // There is room for the render's threads, but not for as many of Embree's.
+        let embree = "render scene.toml -o b.png --threads 16 --accel embree";
+        let told = with_few_threads(&desk, 26, embree);
+        told.fails(3, &["cannot start 16 threads for Embree", "help: use fewer threads"]);
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The variants of the kernel, and which of them this processor supports.
 
+use crate::fault::{VectorWidth, allows};
+
 /// A variant of the kernel. All variants return the same hits, bit for bit, because all test their
 /// candidates with the same f64 routine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +34,9 @@ impl KernelIsa {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => has_avx2(),
             #[cfg(all(target_arch = "x86_64", has_avx512))]
-            Self::Avx512 => has_avx2() && is_x86_feature_detected!("avx512vl"),
+            Self::Avx512 => {
+                allows(VectorWidth::Avx512) && has_avx2() && is_x86_feature_detected!("avx512vl")
+            }
             #[allow(unreachable_patterns, reason = "which are left depends on the build")]
             _ => false,
         }
@@ -47,7 +51,8 @@ impl KernelIsa {
 
 #[cfg(target_arch = "x86_64")]
 fn has_avx2() -> bool {
-    is_x86_feature_detected!("avx2")
+    allows(VectorWidth::Avx2)
+        && is_x86_feature_detected!("avx2")
         && is_x86_feature_detected!("fma")
         && is_x86_feature_detected!("bmi1")
         && is_x86_feature_detected!("bmi2")
