@@ -6,6 +6,7 @@
 
 mod agreement;
 mod cameras;
+mod cut_emitters;
 mod furnaces;
 mod integrators;
 #[path = "../common/kit.rs"]
