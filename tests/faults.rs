@@ -22,6 +22,8 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::FilterNotNormalized, "filter gaussian"),
     (Fault::ConeSmallAngle, "cone of a sphere 2 radii away"),
     (Fault::ConeUniformInAngle, "cone of a sphere 2 radii away"),
+    (Fault::CapComplement, "cap of a sphere from afar"),
+    (Fault::CapPdfWithoutCosine, "cap of a sphere from afar"),
     (Fault::FarRootForNear, "occluder: path"),
     (Fault::NearRootForFar, "balls that overlap"),
     (Fault::ExitDistanceIgnored, "furnace: path"),

@@ -1,6 +1,7 @@
 //! Spheres and the rays that hit them: one sphere, and all spheres of a scene as one array.
 
 mod build;
+mod cap;
 mod cone;
 mod giants;
 mod median;
@@ -12,6 +13,7 @@ mod set;
 mod sphere;
 mod storage;
 
+pub use cap::{Cap, SphereCut, VisibleCap};
 pub use cone::{Cone, ConeSample};
 pub use path_ray::{PathRay, Side, SurfaceHit};
 pub use rays::{PathRays, RayBlock};

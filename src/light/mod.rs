@@ -7,16 +7,20 @@
 
 mod category;
 mod context;
+mod cut;
 mod emitter;
 mod environment;
 mod light_bounds;
 mod light_sampler;
 mod light_tree;
+mod visible_emitter;
 
 pub use context::LightSampleContext;
+pub use cut::{EmitterCut, EmitterCuts};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
+pub use visible_emitter::sample_cut_emitter;
 
 use std::sync::Arc;
 
@@ -25,14 +29,15 @@ use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
 use category::{CategoryPmf, LightCategory};
-use emitter::VisibleEmitter;
 use light_sampler::LightSampler;
+use visible_emitter::VisibleEmitter;
 
 /// All lights of a scene.
 #[derive(Debug, Default)]
 pub struct Lights {
     /// Emitters sorted by id.
     emitters: Arc<[Emitter]>,
+    cuts: Arc<EmitterCuts>,
     sampler: LightSampler,
     environment: Arc<Environment>,
 }
@@ -42,6 +47,8 @@ pub struct Lights {
 pub enum LightSource {
     /// An emissive sphere, by its id.
     Emitter(u32),
+    /// The far wall of a translucent emissive sphere, seen from outside through the near one.
+    FarWall(u32),
     /// The environment.
     Environment,
 }
@@ -53,7 +60,7 @@ pub struct LightSample {
     pub source: LightSource,
     /// Unit direction.
     pub direction: DVec3,
-    /// Distance to the emitter's surface in that direction; infinite for the environment.
+    /// Distance to the sampled wall of the emitter; infinite for the environment.
     pub distance: f64,
     /// The radiance that arrives if unoccluded.
     pub radiance: Rgb,
@@ -65,7 +72,7 @@ impl LightSource {
     /// Returns the target sphere of a shadow ray to this source.
     pub fn sphere_id(self) -> u32 {
         match self {
-            Self::Emitter(id) => id,
+            Self::Emitter(id) | Self::FarWall(id) => id,
             Self::Environment => NO_SPHERE,
         }
     }
@@ -73,27 +80,29 @@ impl LightSource {
 
 impl Lights {
     /// Creates the lights of a scene from the emitters among `spheres` and the environment, with
-    /// the default light sampler.
+    /// the default light sampler. No wall hides a part of any emitter.
     pub fn new(mut emitters: Vec<Emitter>, spheres: &SphereSet, environment: Environment) -> Self {
         emitters.sort_unstable_by_key(|emitter| emitter.id);
         Self::with_sampler(
             LightSamplerKind::Hierarchy,
             emitters.into(),
+            Arc::default(),
             spheres,
             Arc::new(environment),
         )
     }
 
-    /// Creates lights from emitters sorted by id, with the given light sampler.
+    /// Creates lights from emitters sorted by id and their cuts, with the given light sampler.
     pub fn with_sampler(
         kind: LightSamplerKind,
         emitters: Arc<[Emitter]>,
+        cuts: Arc<EmitterCuts>,
         spheres: &SphereSet,
         environment: Arc<Environment>,
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
         let sampler = LightSampler::new(&emitters, spheres, kind);
-        Self { emitters, sampler, environment }
+        Self { emitters, cuts, sampler, environment }
     }
 
     /// Number of emitters.
@@ -109,6 +118,11 @@ impl Lights {
     /// Returns the emitter if it is the only light that can be sampled.
     pub fn single_emitter(&self) -> Option<&Emitter> {
         if self.needs_selection() { None } else { self.emitters.first() }
+    }
+
+    /// Returns the cut of the only emitter, unless it is whole.
+    pub fn single_emitter_cut(&self) -> Option<&EmitterCut> {
+        self.cuts.of_emitter(0)
     }
 
     /// Returns true if the scene has no emitters.
@@ -157,15 +171,38 @@ impl Lights {
         ctx: &LightSampleContext,
         probability: f64,
         u_select: f64,
-        u: [f64; 2],
+        mut u: [f64; 2],
     ) -> Option<LightSample> {
         let (index, pmf) = self.sampler.sample(ctx, u_select)?;
-        let Emitter { id, emission } = self.emitters[index];
-        let visible = VisibleEmitter::new(ctx, id, &spheres.sphere(id))?;
-        let (direction, distance, pdf) = visible.sample(u);
-        let pdf = pdf * pmf * probability;
-        let source = LightSource::Emitter(id);
-        (pdf > 0.0).then_some(LightSample { source, direction, distance, radiance: emission, pdf })
+        let Emitter { id, emission, transmittance } = self.emitters[index];
+        let sphere = spheres.sphere(id);
+        let visible = VisibleEmitter::new(ctx, id, &sphere, self.cuts.of_emitter(index))?;
+        let far_wall_pmf = visible.far_wall_pmf(transmittance);
+        let is_far = u[0] < far_wall_pmf;
+        let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
+        if far_wall_pmf > 0.0 {
+            let start = if is_far { 0.0 } else { far_wall_pmf };
+            u[0] = ((u[0] - start) / wall_pmf).min(1.0 - f64::EPSILON);
+        }
+        let (direction, near, pdf) = visible.sample(u);
+        let pdf = pdf * pmf * probability * wall_pmf;
+        let sample = match is_far {
+            true => LightSample {
+                source: LightSource::FarWall(id),
+                direction,
+                distance: sphere.roots(ctx.hit.point, direction).map_or(near, |roots| roots.far),
+                radiance: emission * transmittance,
+                pdf,
+            },
+            false => LightSample {
+                source: LightSource::Emitter(id),
+                direction,
+                distance: near,
+                radiance: emission,
+                pdf,
+            },
+        };
+        (pdf > 0.0).then_some(sample)
     }
 
     /// Returns the pdf with which [`Self::sample`] returns this direction for this source, which
@@ -179,15 +216,22 @@ impl Lights {
         direction: DVec3,
     ) -> f64 {
         let Some(category_pmf) = self.category_pmf(ctx) else { return 0.0 };
-        let LightSource::Emitter(id) = source else {
-            return self.environment_pdf(&category_pmf, direction);
+        let (id, is_far) = match source {
+            LightSource::Emitter(id) => (id, false),
+            LightSource::FarWall(id) => (id, true),
+            LightSource::Environment => return self.environment_pdf(&category_pmf, direction),
         };
         let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
             return 0.0;
         };
-        let visible = VisibleEmitter::new(ctx, id, &spheres.sphere(id));
-        let pmf = || category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
-        visible.map_or(0.0, |visible| visible.pdf(direction) * pmf())
+        let cut = self.cuts.of_emitter(index);
+        let Some(visible) = VisibleEmitter::new(ctx, id, &spheres.sphere(id), cut) else {
+            return 0.0;
+        };
+        let far_wall_pmf = visible.far_wall_pmf(self.emitters[index].transmittance);
+        let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
+        let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
+        visible.pdf(direction) * pmf * wall_pmf
     }
 
     /// Returns the probability that [`Self::sample`] selects the environment rather than an

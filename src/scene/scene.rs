@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::color::{PathRadiance, Rgb};
 use crate::error::Result;
 use crate::geometry::SphereSet;
-use crate::light::{Emitter, Environment, LightSamplerKind, Lights};
+use crate::light::{Emitter, EmitterCuts, Environment, LightSamplerKind, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
@@ -41,6 +41,7 @@ pub struct Scene {
     max_row_emission: f32,
     groups: Arc<[RowGroup]>,
     emitters: Arc<[Emitter]>,
+    emitter_cuts: Arc<EmitterCuts>,
     background: Arc<Environment>,
 }
 
@@ -99,12 +100,16 @@ impl Scene {
             max_row_emission,
             groups: groups.into(),
             emitters: Vec::new().into(),
+            emitter_cuts: Arc::default(),
             background: Arc::new(background),
         };
         scene.emitters = scene.find_emitters().into();
         let medium = |id| scene.sphere_material(id).medium(id);
         scene.has_straight_boundaries =
             has_media && straight_boundaries::may_exist(&scene.materials, &scene.spheres, medium);
+        let is_opaque = |id| scene.sphere_material(id).is_opaque();
+        let cuts = EmitterCuts::find(&scene.emitters, &scene.spheres, is_opaque);
+        scene.emitter_cuts = Arc::new(cuts);
         Ok(scene)
     }
 
@@ -149,6 +154,7 @@ impl Scene {
         Lights::with_sampler(
             by,
             Arc::clone(&self.emitters),
+            Arc::clone(&self.emitter_cuts),
             &self.spheres,
             Arc::clone(&self.background),
         )
@@ -354,7 +360,12 @@ impl Scene {
         let emitter = |id| {
             let material = self.sphere_material(id).material;
             let emission = material.emission * material.opacity;
-            (emission.max_element() > 0.0).then_some(Emitter { id, emission })
+            let transmittance = match material.dielectric() {
+                Some(_) => 0.0,
+                None => 1.0 - material.opacity,
+            };
+            let emitter = Emitter { id, emission, transmittance };
+            (emission.max_element() > 0.0).then_some(emitter)
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(emitter).collect()
     }

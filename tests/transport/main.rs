@@ -7,6 +7,7 @@
 mod agreement;
 mod boundaries;
 mod cameras;
+mod cut_emitters;
 mod furnaces;
 mod integrators;
 #[path = "../common/kit.rs"]

@@ -32,13 +32,8 @@ pub(super) fn passes_opacity_test(path: &Path, sampler: Sampler, opacity: f32) -
     sampler.get(dimension::opacity(path.state.depth, path.state.passthroughs)) < f64::from(opacity)
 }
 
-/// Returns true if a path hits the back face of an emitter after passing through its front face.
-/// Light sampling targets only the front face.
-pub(super) fn is_back_face_of_emitter(
-    scene: &Scene,
-    prev: Option<&PrevVertex>,
-    hit: &SurfaceHit,
-) -> bool {
+/// Returns true if a path hits the far wall of an emitter after passing through its near wall.
+pub(super) fn is_far_wall(scene: &Scene, prev: Option<&PrevVertex>, hit: &SurfaceHit) -> bool {
     let is_within = |at: &LightSampleContext| at.is_inside(hit.id, &scene.spheres().sphere(hit.id));
     scene.has_passable_surfaces()
         && hit.side == Side::Inside

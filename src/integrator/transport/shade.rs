@@ -36,7 +36,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         };
         let is_dropped = path.state.depth > 1 && fault!(BackgroundCameraOnly);
         let radiance = if is_dropped { Rgb::ZERO } else { radiance };
-        self.add_emission(path, LightSource::Environment, radiance, true);
+        self.add_emission(path, LightSource::Environment, radiance);
         self.terminate(Termination::Escaped)
     }
 
@@ -95,10 +95,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let hit_event = || PathEvent::Hit { depth, hit, wo, opacity, transmittance, throughput };
         self.recorder.record(hit_event);
         if surface.material.is_emissive() {
-            let is_light_sampled_at =
-                !opacity::is_back_face_of_emitter(scene, self.prev_vertex(path), &hit);
+            let is_far = opacity::is_far_wall(scene, self.prev_vertex(path), &hit);
+            let wall = if is_far { LightSource::FarWall } else { LightSource::Emitter };
             let radiance = surface.material.emission * opacity;
-            self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_light_sampled_at);
+            self.add_emission(path, wall(hit.id), radiance);
         }
         if opacity < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), opacity) {
             return self.pass_transparent(path, &hit);
@@ -172,19 +172,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
     /// Adds emission found by BSDF sampling, with its MIS weight if light sampling could have found
     /// it.
-    pub(super) fn add_emission(
-        &mut self,
-        path: &Path,
-        source: LightSource,
-        radiance: Rgb,
-        is_light_sampled: bool,
-    ) {
+    pub(super) fn add_emission(&mut self, path: &Path, source: LightSource, radiance: Rgb) {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
         let prev = self.prev_vertex(path);
-        let sampleable = prev.filter(|_| is_light_sampled);
-        let pdf_light = sampleable.map_or(0.0, |prev| self.pdf_light(path, prev, source));
+        let pdf_light = prev.map_or(0.0, |prev| self.pdf_light(path, prev, source));
         let pdf = prev.map(|prev| prev.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,

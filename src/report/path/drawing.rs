@@ -101,7 +101,7 @@ impl Sketch {
                     }))
                 }
                 PathEvent::LightSample { sample, .. } => {
-                    if let LightSource::Emitter(id) = sample.source {
+                    if let LightSource::Emitter(id) | LightSource::FarWall(id) = sample.source {
                         sketch.emitters.push(id);
                     }
                     let Some((visibility, _)) = shadow_result(&trace.events, index) else {

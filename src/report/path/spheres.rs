@@ -17,6 +17,7 @@ pub(super) fn name(scene: &Scene, id: u32) -> String {
 pub(super) fn source_name(scene: &Scene, source: LightSource) -> String {
     match source {
         LightSource::Emitter(id) => name(scene, id),
+        LightSource::FarWall(id) => format!("the far wall of {}", name(scene, id)),
         LightSource::Environment => "the background".to_owned(),
     }
 }

@@ -113,7 +113,8 @@ fn emitters(environment: Environment) -> (SphereSet, Lights) {
     };
     let exact = (0..40).map(sphere).collect();
     let spheres = SphereSet::new(SphereRows { exact, table: Vec::new() }).expect("few spheres");
-    let emitter = |id: u32| Emitter { id, emission: grey(1.0 + spheres.row(id) as f32) };
+    let emission = |id| grey(1.0 + spheres.row(id) as f32);
+    let emitter = |id: u32| Emitter { id, emission: emission(id), transmittance: 0.0 };
     let lights = Lights::new((0..40).map(emitter).collect(), &spheres, environment);
     (spheres, lights)
 }
@@ -157,7 +158,7 @@ fn selection_test(
     SamplingTest::over_indices(name, probabilities, move |u| {
         let sample = lights.sample(&spheres, &context, u[2], [u[0], u[1]])?;
         Some(match sample.source {
-            LightSource::Emitter(id) => id as usize,
+            LightSource::Emitter(id) | LightSource::FarWall(id) => id as usize,
             LightSource::Environment => 40,
         })
     })

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{Cone, PathRay, Sphere};
-use crate::light::{Emitter, LightSample};
+use crate::light::{Emitter, EmitterCut, LightSample, sample_cut_emitter};
 use crate::material::Diffuse;
 use crate::math::{DVec3, Frame, LANES, Lanes, Lanes3, NO_SPHERE, SimdKernel, renormalize};
 use crate::sampling::{Sampler, SobolLanes};
@@ -199,6 +199,34 @@ impl SimdKernel for SampleSingleEmitter<'_> {
             light.direction.set(lane, sample.direction);
             light.distance.0[lane] = sample.distance;
             light.pdf.0[lane] = if radius < distance { sample.pdf } else { -1.0 };
+        }
+    }
+}
+
+/// Samples the only emitter, which a wall cuts.
+pub(super) struct SampleCutEmitter<'a> {
+    pub(super) batch: &'a mut DiffuseBatch,
+    pub(super) emitter: Emitter,
+    pub(super) sphere: Sphere,
+    pub(super) cut: &'a EmitterCut,
+}
+
+impl SimdKernel for SampleCutEmitter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let DiffuseBatch { hit, light, vertices, .. } = self.batch;
+        light.sampled =
+            [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
+        let (sphere, cut) = (self.sphere, *self.cut);
+        let ids = vertices.map(|vertex| vertex.id);
+        for lane in 0..LANES {
+            let point = hit.point.get(lane);
+            let u = [light.u[0].0[lane], light.u[1].0[lane]];
+            let sample = sample_cut_emitter(&cut, ids[lane], point, &sphere, u);
+            light.direction.set(lane, sample.direction);
+            light.distance.0[lane] = sample.distance;
+            let is_outside = sphere.radius < (sphere.center - point).length();
+            light.pdf.0[lane] = if is_outside { sample.pdf } else { -1.0 };
         }
     }
 }

@@ -24,7 +24,8 @@ use super::paths::{MAX_PATH_EDGES, Path, PathQueue, PendingDirect, PrevVertex, S
 
 pub(in super::super) use diffuse_batch::DiffuseBatch;
 use diffuse_batch::{
-    DiffuseVertex, IntersectLanes, SampleBsdfLanes, SampleSingleEmitter, SampledLight,
+    DiffuseVertex, IntersectLanes, SampleBsdfLanes, SampleCutEmitter, SampleSingleEmitter,
+    SampledLight,
 };
 
 /// A diffuse surface: only what the next stage needs. It stays small, and no stage reads its parts
@@ -82,7 +83,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
     ) {
         let state = &paths.states[index];
         if emission.max_element() > 0.0 {
-            self.add_emission(&paths.get(index), LightSource::Emitter(id), *emission, true);
+            self.add_emission(&paths.get(index), LightSource::Emitter(id), *emission);
         }
         if self.is_at_max_depth(state) {
             return;
@@ -117,7 +118,10 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             batch.light.pdf.0.fill(0.0);
         } else if let Some(&emitter) = lights.single_emitter() {
             let sphere = scene.spheres().sphere(emitter.id);
-            isa.run(SampleSingleEmitter { batch, emitter, sphere });
+            match lights.single_emitter_cut() {
+                Some(cut) => isa.run(SampleCutEmitter { batch, emitter, sphere, cut }),
+                None => isa.run(SampleSingleEmitter { batch, emitter, sphere }),
+            }
         } else {
             for lane in 0..batch.count {
                 let ctx = LightSampleContext { hit: lane_hit(batch, lane), is_two_sided: false };

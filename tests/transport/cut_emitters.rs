@@ -1,0 +1,112 @@
+//! Emitters of which a wall hides a part, and emitters with a far wall: light is sampled where it
+//! can be seen, with the mean that it has when it is found by chance.
+
+use photosphere::accel::Backend;
+use photosphere::color::Rgb;
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
+use photosphere::scene::settings::Estimator;
+
+use crate::kit::{Judged, Kit, SEEDS, diffuse, mirror};
+
+/// Looks at a grey ball on the ground.
+fn ball() -> Kit {
+    let mut kit = Kit::new(8, 8, 64).depth(3);
+    kit.scene.camera([0.0, 1.5, 4.0], [0.0, 0.5, 0.0]).field_of_view(40.0);
+    kit.ball([0.0, -100.0, 0.0], 100.0, diffuse(0.6));
+    kit.ball([-0.5, 0.4, 0.5], 0.4, diffuse(0.8));
+    kit
+}
+
+fn translucent(kit: &mut Kit, center: [f64; 3], radius: f64, opacity: f64) {
+    let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+    let emission = Rgb::splat(5.0);
+    let emitter = kit.scene.material(MaterialDescription {
+        surface,
+        emission,
+        opacity,
+        ..Default::default()
+    });
+    kit.scene.sphere(emitter, center, radius);
+}
+
+type Change = (&'static str, fn(&mut Kit));
+
+/// Below a ball, in a room, in one another, and in an emissive wall.
+const SCENES: [Change; 6] = [
+    ("out of a ball", |kit| {
+        kit.ball([0.0, 4.5, 0.0], 3.0, diffuse(0.5));
+        kit.glowing_ball([0.0, 1.9, 0.0], 1.0, diffuse(0.3), 5.0);
+    }),
+    ("into a room", |kit| {
+        kit.ball([0.0; 3], 6.0, mirror(0.5));
+        kit.glowing_ball([0.0, 8.0, 1.0], 2.8, diffuse(0.3), 5.0);
+    }),
+    ("in one another", |kit| {
+        kit.glowing_ball([0.0, 2.0, 0.0], 0.7, diffuse(0.3), 5.0);
+        kit.glowing_ball([0.0, 2.6, 0.0], 0.7, diffuse(0.3), 2.0);
+    }),
+    ("out of an emissive ball", |kit| {
+        kit.glowing_ball([1.0, 3.5, 0.0], 2.0, diffuse(0.5), 0.5);
+        kit.glowing_ball([0.5, 1.8, 0.0], 0.5, diffuse(0.3), 5.0);
+    }),
+    ("out of the ground", |kit| {
+        kit.glowing_ball([0.6, -0.4, 0.4], 0.6, diffuse(0.3), 5.0);
+    }),
+    ("translucent, out of a ball", |kit| {
+        kit.ball([0.0, 4.5, 0.0], 3.0, diffuse(0.5));
+        translucent(kit, [0.0, 1.9, 0.0], 1.0, 0.4);
+    }),
+];
+
+#[test]
+fn the_exposed_part_shines_like_by_chance() {
+    for (name, change) in SCENES {
+        let kit = ball().with(change);
+        let by = |estimator| {
+            let samples = if estimator == Estimator::Bsdf { 512 } else { 64 };
+            let kit = kit.clone().samples(samples);
+            kit.with(|kit| kit.settings.render.estimator = estimator).mean()
+        };
+        let by_chance = by(Estimator::Bsdf);
+        for estimator in [Estimator::Light, Estimator::Mis] {
+            by(estimator).must_agree(by_chance, &format!("{name}, {estimator:?}"));
+        }
+    }
+}
+
+/// Variance of one sample of light at a point of the ground, relative to the squared mean.
+fn relative_variance(change: fn(&mut Kit)) -> f64 {
+    let samples = 16;
+    let mut kit = Kit::new(1, 1, samples).depth(2);
+    kit.scene.camera([0.0, 0.3, 1.0], [0.0; 3]).field_of_view(0.01);
+    kit.ball([0.0, -1e5, 0.0], 1e5, diffuse(0.6));
+    change(&mut kit);
+    let mean = kit.estimate(Backend::BruteForce);
+    let relative = mean.standard_error / mean.mean;
+    relative * relative * SEEDS as f64 * f64::from(samples)
+}
+
+/// Sampled as a whole, nine tenths of the directions to these emitters would be occluded, and the
+/// relative variance would be at least 9.
+#[test]
+fn hidden_parts_cost_no_samples() {
+    let room: fn(&mut Kit) = |kit| {
+        kit.ball([0.0, -1e5 + 8.0, 0.0], 1e5, diffuse(0.0));
+        kit.glowing_ball([0.0, 607.7, 0.0], 600.0, diffuse(0.0), 5.0);
+    };
+    let shelf: fn(&mut Kit) = |kit| {
+        kit.ball([0.0, 25.0, 0.0], 20.0, diffuse(0.0));
+        kit.glowing_ball([0.0, 6.8, 0.0], 2.0, diffuse(0.0), 5.0);
+    };
+    for (name, change) in [("room", room), ("shelf", shelf)] {
+        let variance = relative_variance(change);
+        assert!(variance < 0.3, "{name}: {variance}");
+    }
+}
+
+/// Found by chance, the light of the far wall would have a relative variance of 4.
+#[test]
+fn the_far_wall_is_sampled() {
+    let variance = relative_variance(|kit| translucent(kit, [0.0, 3.0, 0.0], 0.5, 0.5));
+    assert!(variance < 0.05, "{variance}");
+}
