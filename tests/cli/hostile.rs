@@ -148,11 +148,11 @@ fn threads_that_cannot_start_are_an_error() {
 /// the files of this one: root has no limit.
 #[cfg(target_os = "linux")]
 fn with_few_threads(desk: &Desk, threads: usize, arguments: &str) -> Outcome {
-    // No process of the system has this user.
-    const USER: &str = "1987654321";
+    // No other process of the system has this user; threads are counted by user.
+    let user = (1_987_000_000 + std::process::id()).to_string();
     let mut command = Command::new("prlimit");
     command.arg(format!("--nproc={threads}")).args(["setpriv", "--clear-groups"]);
-    command.args(["--reuid", USER, "--regid", USER, "--bounding-set=-all,+dac_override"]);
+    command.args(["--reuid", &user, "--regid", &user, "--bounding-set=-all,+dac_override"]);
     command.args(["--inh-caps=+dac_override", "--ambient-caps=+dac_override", PROGRAM]);
     outcome(command.args(arguments.split_whitespace()).current_dir(desk.path()))
 }

@@ -199,7 +199,7 @@ fn the_story_has_words_for_what_dims_and_for_what_is_not_there() {
     for told in [
         "; opacity 0.5\n",
         "transparent for this path: passes straight through",
-        "partly occluded: V = 0.6\n   + T f_r |cos| L_e V w / p = (",
+        "partly occluded: V = (0.6, 0.6, 0.6)\n   + T f_r |cos| L_e V w / p = (",
         "(indirect; scaled by 0.",
     ] {
         assert!(all.contains(told), "`{told}` is not in\n{all}");

@@ -173,14 +173,14 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
 #[derive(Clone, Copy)]
 enum Enlargement {
     By(f64),
-    /// To the f32 number so many numbers above. This can be undone exactly, so the radius as written
-    /// need not be read from other memory.
+    /// To the f32 number so many numbers above. This can be undone exactly, so the radius as
+    /// written need not be read from other memory.
     Steps(u32),
 }
 
 impl Enlargement {
-    /// Enlarges all radii of these limits by at least `bound`; reversibly, unless that would enlarge
-    /// the largest by much more.
+    /// Enlarges all radii of these limits by at least `bound`; reversibly, unless that would
+    /// enlarge the largest by much more.
     fn reversible(bound: f64, smallest: f64, largest: f64) -> Self {
         let above = ((smallest + bound) as f32).to_bits() + 1;
         let steps = Self::Steps(above - (smallest as f32).to_bits());

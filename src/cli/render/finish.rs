@@ -71,8 +71,8 @@ impl RenderFinisher<'_> {
         }
         let picture = OnceLock::new();
         let shown = || picture.get_or_init(|| session.picture());
-        // After a signal somebody waits for the program to exit. But a finished picture has the same
-        // bytes whenever the signal came.
+        // After a signal somebody waits for the program to exit. But a finished picture has the
+        // same bytes whenever the signal came.
         let in_haste = reached.stop_reason == StopReason::Stopped;
         let notes = self.outputs.notes(session.film().frame(), &session.metadata(), in_haste);
         let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
