@@ -8,7 +8,7 @@
 #
 # `qemu-x86_64-static -cpu help` lists the processors. The emulator is Debian's qemu-user-static, which
 # is installed where it is missing. The program is the one that PHOTOSPHERE names; where it names none,
-# it is built. Takes about 5 minutes on two cores.
+# it is built. Takes about 5 minutes of processor time.
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

@@ -4,10 +4,6 @@
 //! finishes. On any other thread, such as a monitor during a render, the work runs serially and
 //! does not take threads from the render.
 
-use std::io;
-use std::sync::{Mutex, PoisonError};
-use std::thread;
-
 use rayon::prelude::*;
 
 /// Maps all items, in order.
@@ -35,18 +31,4 @@ pub(crate) fn join<A: Send, B: Send>(
             (first, second())
         }
     }
-}
-
-/// Fails if the system does not let this process start so many more threads now: starts them all,
-/// and ends them.
-///
-/// For libraries that end the process when one of their threads cannot start.
-pub(crate) fn check_threads(count: usize) -> io::Result<()> {
-    let gate = Mutex::new(());
-    thread::scope(|scope| {
-        // No thread ends before all have started.
-        let _closed = gate.lock().unwrap_or_else(PoisonError::into_inner);
-        let wait = || drop(gate.lock());
-        (0..count).try_for_each(|_| thread::Builder::new().spawn_scoped(scope, wait).map(drop))
-    })
 }

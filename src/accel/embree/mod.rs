@@ -14,18 +14,16 @@ mod device;
 mod group;
 mod scene;
 mod sys;
+mod threads;
 
 #[cfg(test)]
 mod tests;
 
-use std::num::NonZero;
 use std::sync::Arc;
-use std::thread;
 
 use crate::error::{Error, Result, Suggestion};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
-use crate::task::parallel;
 
 use super::info::EmbreeInfo;
 use super::intersector::{Accel, ErrorBound};
@@ -49,7 +47,7 @@ impl Embree {
         particles: ParticleGeometry,
         options: &BuildOptions,
     ) -> Result<Self> {
-        check_threads(options.threads)?;
+        threads::check(options.threads)?;
         let device = Device::new(options.threads)?;
         check_support(&describe(&device)?, particles)?;
         let scene = |group: &Arc<SphereGroup>| {
@@ -124,17 +122,6 @@ fn describe(device: &Device) -> Result<EmbreeInfo> {
             .filter(|(is_supported, _)| !is_supported)
             .map(|(_, name)| *name)
             .collect(),
-    })
-}
-
-/// Fails if the system denies the threads of a build; 0 means all. TBB would end the process.
-fn check_threads(threads: usize) -> Result<()> {
-    let all = || thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = if threads == 0 { all() } else { threads };
-    parallel::check_threads(threads).map_err(|e| {
-        Error::input(format!("cannot start {threads} threads for Embree: {e}"))
-            .with_help("use fewer threads, or raise the limits of the system (ulimit -a)")
-            .with_suggestion(Suggestion::Threads, "")
     })
 }
 
