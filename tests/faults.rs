@@ -24,6 +24,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::ConeUniformInAngle, "cone of a sphere 2 radii away"),
     (Fault::CapComplement, "cap of a sphere from afar"),
     (Fault::CapPdfWithoutCosine, "cap of a sphere from afar"),
+    (Fault::ProjectedCapUniform, "projected cap of a sphere 3 radii away, 60 degrees"),
     (Fault::FarRootForNear, "occluder: path"),
     (Fault::NearRootForFar, "balls that overlap"),
     (Fault::ExitDistanceIgnored, "furnace: path"),

@@ -61,8 +61,9 @@ registry! {
     // Geometry
     ConeSmallAngle: "the cone of an emitter is its small-angle limit",
     ConeUniformInAngle: "an emitter's cone is sampled with more weight on its middle",
-    CapComplement: "the hidden cap of an emitter that a wall cuts is taken for the exposed one",
-    CapPdfWithoutCosine: "the pdf of an emitter's cap lacks the cosine on the emitter",
+    CapComplement: "the hidden cap of an emitter is sampled",
+    CapPdfWithoutCosine: "the pdf of a cap lacks the cosine",
+    ProjectedCapUniform: "the pdf of a projected cap lacks the cosine",
     FarRootForNear: "the far root of a sphere is used instead of the near one",
     NearRootForFar: "inside a sphere, its near root is used, which lies behind the ray",
     ExitDistanceIgnored: "a ray that enters a sphere ignores the exit distance",

@@ -58,6 +58,26 @@ impl Cone {
         }
     }
 
+    /// Returns the unit direction to the centre of the sphere.
+    #[inline(always)]
+    pub fn axis(&self) -> DVec3 {
+        self.frame.z
+    }
+
+    /// Returns the sine and cosine of the angle between axis and rim.
+    #[inline(always)]
+    pub fn sin_cos_max(&self) -> [f64; 2] {
+        [self.radius / self.distance, 1.0 - self.one_minus_cos_max]
+    }
+
+    /// Returns the distance to the visible side of the sphere in a direction within the cone.
+    #[inline(always)]
+    pub fn distance_along(&self, direction: DVec3) -> f64 {
+        let cos = direction.dot(self.frame.z);
+        let across = direction - self.frame.z * cos;
+        self.distance_to_sphere(across.length_squared(), cos)
+    }
+
     /// Returns the solid angle in steradians, `2 pi (1 - cos)`.
     pub fn solid_angle(&self) -> f64 {
         std::f64::consts::TAU * self.one_minus_cos_max

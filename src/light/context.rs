@@ -10,6 +10,9 @@ pub struct LightSampleContext {
     /// True if light from both sides of the surface contributes, not only from the side that
     /// [`SurfaceHit::facing_normal`] points to.
     pub is_two_sided: bool,
+    /// True if the surface is Lambertian and samples directions by the cosine. Emitters are then
+    /// sampled in proportion to the cosine, too.
+    pub is_lambertian: bool,
 }
 
 impl LightSampleContext {

@@ -20,7 +20,7 @@ pub use cut::{EmitterCut, EmitterCuts};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
-pub use visible_emitter::sample_cut_emitter;
+pub use visible_emitter::{LaneLightSample, sample_cut_emitter, sample_projected};
 
 use std::sync::Arc;
 
@@ -66,6 +66,9 @@ pub struct LightSample {
     pub radiance: Rgb,
     /// Probability of the source times the pdf of the direction per solid angle.
     pub pdf: f64,
+    /// True if the sample has no variance but that of visibility, so that BSDF sampling need not
+    /// find this light as well; see [`Lights::is_exact`].
+    pub is_exact: bool,
 }
 
 impl LightSource {
@@ -161,7 +164,14 @@ impl Lights {
         let source = LightSource::Environment;
         let pdf = self.environment_pdf(&category_pmf, direction);
         let radiance = self.environment.radiance(direction);
-        let sample = LightSample { source, direction, distance: f64::INFINITY, radiance, pdf };
+        let sample = LightSample {
+            source,
+            direction,
+            distance: f64::INFINITY,
+            radiance,
+            pdf,
+            is_exact: false,
+        };
         (pdf > 0.0).then_some(sample)
     }
 
@@ -186,6 +196,7 @@ impl Lights {
         }
         let (direction, near, pdf) = visible.sample(u);
         let pdf = pdf * pmf * probability * wall_pmf;
+        let is_exact = !self.needs_selection() && visible.is_projected();
         let sample = match is_far {
             true => LightSample {
                 source: LightSource::FarWall(id),
@@ -193,6 +204,7 @@ impl Lights {
                 distance: sphere.roots(ctx.hit.point, direction).map_or(near, |roots| roots.far),
                 radiance: emission * transmittance,
                 pdf,
+                is_exact,
             },
             false => LightSample {
                 source: LightSource::Emitter(id),
@@ -200,6 +212,7 @@ impl Lights {
                 distance: near,
                 radiance: emission,
                 pdf,
+                is_exact,
             },
         };
         (pdf > 0.0).then_some(sample)
@@ -232,6 +245,18 @@ impl Lights {
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
         visible.pdf(direction) * pmf * wall_pmf
+    }
+
+    /// Returns true if light samples at a shading point have no variance but that of visibility: at
+    /// a Lambertian surface, from the only light, sampled in proportion to the cosine. Then they
+    /// have MIS weight 1, and emission found by BSDF sampling 0.
+    pub fn is_exact(&self, spheres: &SphereSet, ctx: &LightSampleContext) -> bool {
+        let Some(emitter) = self.single_emitter().filter(|_| ctx.is_lambertian) else {
+            return false;
+        };
+        let (sphere, cut) = (spheres.sphere(emitter.id), self.cuts.of_emitter(0));
+        VisibleEmitter::new(ctx, emitter.id, &sphere, cut)
+            .is_some_and(|visible| visible.is_projected())
     }
 
     /// Returns the probability that [`Self::sample`] selects the environment rather than an
@@ -289,7 +314,7 @@ mod tests {
             let point = (DVec3::new(u[3], u[4], u[5]) - 0.5) * scale + 0.5;
             let side = if i % 3 == 0 { Side::Inside } else { Side::Outside };
             let hit = SurfaceHit { id: 0, t: 1.0, point, normal, radius: 1.0, side };
-            LightSampleContext { hit, is_two_sided: i % 2 == 0 }
+            LightSampleContext { hit, is_two_sided: i % 2 == 0, is_lambertian: false }
         })
     }
 }

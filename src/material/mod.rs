@@ -229,6 +229,11 @@ impl Bsdf<'_> {
         }
     }
 
+    /// Returns true if the surface is Lambertian and sampled by the cosine.
+    pub fn is_lambertian(&self) -> bool {
+        matches!(self, Self::Diffuse(_, Hemisphere::Cosine))
+    }
+
     /// Returns true if [`Self::sample`] uses `u_lobe`.
     pub fn needs_lobe_sample(&self) -> bool {
         !matches!(self, Self::Diffuse(..) | Self::OrenNayar(..) | Self::Mirror(_))

@@ -4,6 +4,7 @@
 //! the density that this map produces, `invert` is its inverse. `verify::chi2` checks each pair
 //! against the other.
 
+mod circular_segment;
 mod discrete;
 mod filter;
 pub mod hemisphere;
@@ -14,6 +15,7 @@ mod sobol;
 mod stratified;
 mod transcendental;
 
+pub use circular_segment::{one_minus_cos_of_segment, segment_area};
 pub use discrete::DiscreteDistribution;
 pub use filter::{Filter, FilterKind, sample_box};
 pub use hemisphere::Hemisphere;

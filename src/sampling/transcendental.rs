@@ -80,6 +80,11 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Returns the cube root.
+pub fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
 /// Returns the natural logarithm of `x > 0`.
 pub fn ln(x: f64) -> f64 {
     libm::log(x)

@@ -110,3 +110,24 @@ fn the_far_wall_is_sampled() {
     let variance = relative_variance(|kit| translucent(kit, [0.0, 3.0, 0.0], 0.5, 0.5));
     assert!(variance < 0.05, "{variance}");
 }
+
+/// From a Lambertian surface under one emitter, every sample of unoccluded light is the same:
+/// albedo times radiance times projected solid angle over pi. Above the horizon, through it, and
+/// with the centre below it.
+#[test]
+fn light_from_one_emitter_has_no_variance() {
+    for center in [[0.5, 3.0, 0.0], [4.0, 0.5, 0.0], [4.0, -0.4, 0.0]] {
+        for roughness in [0.0, 0.5] {
+            let mut kit = Kit::new(1, 1, 1).depth(2);
+            kit.scene.camera([0.0, 0.3, 1.0], [0.0; 3]).field_of_view(1e-7);
+            let albedo = Rgb::splat(0.6);
+            // The lens is inside the emitter's half of space; only this sphere is seen.
+            kit.ball([0.0, -0.1, 0.0], 0.1, SurfaceModel::Diffuse { albedo, roughness });
+            kit.glowing_ball(center, 1.0, diffuse(0.0), 5.0);
+            let mean = kit.mean();
+            let relative = mean.standard_error / mean.mean;
+            assert_eq!(relative < 1e-6, roughness == 0.0, "{center:?}: {relative}");
+            assert!(mean.mean > 1e-3);
+        }
+    }
+}

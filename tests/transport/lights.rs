@@ -33,14 +33,15 @@ fn under(dome: EnvironmentDescription) -> Kit {
 }
 
 /// Emitters in all directions above the plane, none before another, at many distances and of
-/// several powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
+/// several powers, none cut by the horizon; and the radiance that they make at the point: `albedo L
+/// sin^2 cos` each.
 fn emitters(count: u32) -> (Kit, f64) {
     let mut kit = point();
     let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.emitter([power; 3]));
     let mut sum = 0.0;
     for i in 0..count {
         // A spiral over the hemisphere, whose turns are further apart than the emitters are wide.
-        let cos = 1.0 - (f64::from(i) + 0.5) / f64::from(count) * 0.95;
+        let cos = 1.0 - (f64::from(i) + 0.5) / f64::from(count) * 0.85;
         let azimuth = f64::from(i) * 2.399_963_229_728_653;
         let sin = (1.0 - cos * cos).sqrt();
         let distance = 2.0 + f64::from(i * 7919 % 101);

@@ -16,9 +16,9 @@ use photosphere::scene::PreparedScene;
 
 use crate::kit::{Kit, built};
 
-/// An opaque surface.
+/// An opaque Lambertian surface.
 fn light_context(hit: &SurfaceHit) -> LightSampleContext {
-    LightSampleContext { hit: *hit, is_two_sided: false }
+    LightSampleContext { hit: *hit, is_two_sided: false, is_lambertian: true }
 }
 
 /// What a call needs to know of its callers.
@@ -51,7 +51,9 @@ impl Call<'_> {
                 LightSource::Emitter(hit.id),
                 ray.direction,
             );
-            radiance *= power_heuristic(pdf, aimed) as f32;
+            let is_exact = self.prepared.lights().is_exact(spheres, &light_context(at));
+            let weight = if is_exact && aimed > 0.0 { 0.0 } else { power_heuristic(pdf, aimed) };
+            radiance *= weight as f32;
         }
 
         let bsdf = material.bsdf(None, 1.0, Hemisphere::Cosine);
@@ -114,7 +116,8 @@ impl Call<'_> {
         if blocked[0] || wi.z <= 0.0 {
             return Rgb::ZERO;
         }
-        let weight = power_heuristic(light.pdf, pdf(wi));
+        let by_chance = if light.is_exact { 0.0 } else { pdf(wi) };
+        let weight = power_heuristic(light.pdf, by_chance);
         eval(wi) * light.radiance * (weight * wi.z / light.pdf) as f32
     }
 }

@@ -13,7 +13,7 @@ use super::super::trace::{PathEvent, PathRecorder};
 use super::batch::PathBatch;
 use super::opacity;
 use super::paths::{Path, PendingDirect, ShadowQueue};
-use super::weight::mis_weight;
+use super::weight::light_weight;
 
 impl ShadowQueue<'_> {
     /// Adds a shadow ray and the media it starts in.
@@ -85,7 +85,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         };
         let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z.abs() };
         let pdf_bsdf = bsdf.pdf(wo, wi);
-        let weight = mis_weight(self.integrator.estimator, light.pdf, pdf_bsdf);
+        let weight = light_weight(self.integrator.estimator, light.is_exact, light.pdf, pdf_bsdf);
         self.recorder.record(|| PathEvent::LightSample {
             sample: light,
             transmittance,

@@ -48,6 +48,7 @@ pub(in crate::integrator) struct PrevVertex {
     pub(super) id: u32,
     pub(super) side: Side,
     pub(super) is_two_sided: bool,
+    pub(super) is_lambertian: bool,
 }
 
 /// The paths of a stage.
@@ -145,21 +146,23 @@ impl PrevVertex {
         id: NO_SPHERE,
         side: Side::Outside,
         is_two_sided: false,
+        is_lambertian: false,
     };
 
     pub(super) fn new(from: &LightSampleContext, pdf: f64) -> Self {
-        let LightSampleContext { hit: SurfaceHit { id, point, normal, side, .. }, is_two_sided } =
-            *from;
-        Self { pdf, point, normal, id, side, is_two_sided }
+        let LightSampleContext { hit, is_two_sided, is_lambertian } = *from;
+        let SurfaceHit { id, point, normal, side, .. } = hit;
+        Self { pdf, point, normal, id, side, is_two_sided, is_lambertian }
     }
 
     /// Returns the shading point of the record; its hit distance is not kept.
     pub(super) fn light_sample_context(&self, spheres: &SphereSet) -> LightSampleContext {
-        let Self { point, normal, id, side, is_two_sided, .. } = *self;
+        let Self { point, normal, id, side, is_two_sided, is_lambertian, .. } = *self;
         let radius = spheres.sphere(id).radius;
         LightSampleContext {
             hit: SurfaceHit { id, t: 0.0, point, normal, radius, side },
             is_two_sided,
+            is_lambertian,
         }
     }
 }

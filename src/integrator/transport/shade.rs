@@ -141,7 +141,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     ) -> bool {
         let scene = self.context.scene;
         let bsdf = surface.material.bsdf(surface.albedo, eta, self.integrator.hemisphere);
-        let ctx = LightSampleContext { hit: *hit, is_two_sided: bsdf.is_rough_transmissive() };
+        let ctx = LightSampleContext {
+            hit: *hit,
+            is_two_sided: bsdf.is_rough_transmissive(),
+            is_lambertian: bsdf.is_lambertian(),
+        };
         let frame = Frame::from_z(hit.facing_normal());
         let wo = frame.to_local(-path.ray.direction);
         let may_scatter = path.state.scatter_count < self.integrator.max_scatterings;
@@ -184,6 +188,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             (Estimator::Mis, Some(p)) if fault!(MisWeightsSwapped) => {
                 power_heuristic(pdf_light, p) as f32
             }
+            (Estimator::Mis, Some(_)) if pdf_light > 0.0 && self.is_light_exact(prev) => 0.0,
             (Estimator::Mis, Some(pdf)) => power_heuristic(pdf, pdf_light) as f32,
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
@@ -199,6 +204,13 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             weight,
             contribution,
         });
+    }
+
+    /// Returns true if light samples at the previous vertex were exact.
+    fn is_light_exact(&self, prev: Option<&PrevVertex>) -> bool {
+        let spheres = self.context.scene.spheres();
+        let lights = self.context.prepared.lights();
+        prev.is_some_and(|prev| lights.is_exact(spheres, &prev.light_sample_context(spheres)))
     }
 
     /// Returns the pdf with which light sampling would have sampled the path's current direction.

@@ -101,7 +101,7 @@ fn sun_test(name: &str, diameter_degrees: f64) -> SamplingTest {
 fn context(point: DVec3, is_two_sided: bool) -> LightSampleContext {
     let normal = DVec3::new(0.36, 0.8, 0.48);
     let hit = SurfaceHit { id: u32::MAX, t: 1.0, point, normal, radius: 1.0, side: Side::Outside };
-    LightSampleContext { hit, is_two_sided }
+    LightSampleContext { hit, is_two_sided, is_lambertian: false }
 }
 
 /// Emitters of many sizes and distances, none touching a shading point.

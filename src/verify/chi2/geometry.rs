@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::geometry::{Cone, Side, Sphere, SphereCut};
+use crate::geometry::{Cone, ProjectedCap, Side, Sphere, SphereCut};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{atan2, sin_cos};
 
@@ -20,6 +20,12 @@ pub(super) fn tests() -> Vec<SamplingTest> {
     ] {
         tests.push(cap(name, point));
     }
+    // Above the horizon, cut by it, and with the axis below it; small and nearly half a space.
+    let projected = [(3.0, 0.0), (3.0, 60.0), (1.02, 5.0), (1e4, 80.0)];
+    let cut = [(3.0, 75.0), (3.0, 89.0), (1.02, 40.0), (1e4, 89.999)];
+    let below = [(3.0, 95.0), (3.0, 105.0), (1.02, 130.0), (1e4, 90.001)];
+    let all = projected.into_iter().chain(cut).chain(below);
+    tests.extend(all.map(|(distance, tilt)| projected_cap(distance, tilt)));
     tests
 }
 
@@ -63,6 +69,32 @@ fn cap(name: &str, point: DVec3) -> SamplingTest {
             let (t, direction) = (normal.distance(point), (normal - point).normalize());
             let cos = -normal.dot(direction);
             if cos > 0.0 { seen.pdf(direction) * cos / (t * t) } else { 0.0 }
+        },
+    )
+    .with_discontinuities()
+}
+
+/// The projected cap of a unit sphere `distance` away, whose centre is `tilt` degrees from the
+/// normal z, in polar coordinates around its axis, scaled to the cone.
+fn projected_cap(distance: f64, tilt: f64) -> SamplingTest {
+    let (sin, cos) = sin_cos(tilt.to_radians());
+    let axis = DVec3::new(-0.6 * sin, 0.8 * sin, cos);
+    let sphere = Sphere { center: axis * distance, radius: 1.0 };
+    let cone = Cone::subtending(DVec3::ZERO, &sphere).expect("seen from outside");
+    let cap = ProjectedCap::new(&cone, DVec3::Z).expect("above the horizon");
+    let frame = Frame::from_z(axis);
+    let widest = atan2(1.0, ((distance - 1.0) * (distance + 1.0)).sqrt());
+    SamplingTest::over_rectangle(
+        format!("projected cap of a sphere {distance} radii away, {tilt} degrees from the normal"),
+        [[0.0, 0.0], [1.0 + 1e-6, TAU]],
+        move |u| {
+            let [theta, phi] = polar(frame.to_local(cap.sample([u[0], u[1]])));
+            Some([theta / widest, phi])
+        },
+        move |[theta, phi]| {
+            let ((sin, cos), (sin_phi, cos_phi)) = (sin_cos(theta * widest), sin_cos(phi));
+            let direction = frame.to_world(DVec3::new(sin * cos_phi, sin * sin_phi, cos));
+            if theta <= 1.0 { cap.pdf(direction) * sin * widest } else { 0.0 }
         },
     )
     .with_discontinuities()

@@ -51,7 +51,11 @@ impl LitScene {
         let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
         let hit =
             spheres.resolve_hit(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
-        Arc::new(Self { spheres, lights, context: LightSampleContext { hit, is_two_sided: false } })
+        Arc::new(Self {
+            spheres,
+            lights,
+            context: LightSampleContext { hit, is_two_sided: false, is_lambertian: false },
+        })
     }
 
     fn pdf(&self, source: LightSource, direction: DVec3) -> f64 {
@@ -133,7 +137,7 @@ impl CutEmitter {
         // On the wall, so that the side of the hit decides.
         let (point, normal) = (emitter.center + point, DVec3::X);
         let hit = SurfaceHit { id: wall, t: 0.0, point, normal, radius: 1.0, side };
-        let context = LightSampleContext { hit, is_two_sided: true };
+        let context = LightSampleContext { hit, is_two_sided: true, is_lambertian: false };
         Arc::new(Self { spheres, lights, context, id, emitter })
     }
 

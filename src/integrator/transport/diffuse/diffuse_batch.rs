@@ -2,15 +2,17 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::{Cone, PathRay, Sphere};
-use crate::light::{Emitter, EmitterCut, LightSample, sample_cut_emitter};
+use crate::geometry::{PathRay, Sphere};
+use crate::light::{
+    Emitter, EmitterCut, LaneLightSample, LightSample, sample_cut_emitter, sample_projected,
+};
 use crate::material::Diffuse;
 use crate::math::{DVec3, Frame, LANES, Lanes, Lanes3, NO_SPHERE, SimdKernel, renormalize};
 use crate::sampling::{Sampler, SobolLanes};
 use crate::scene::settings::Estimator;
 
 use super::super::super::dimension::VertexDimensions;
-use super::super::weight::mis_weight;
+use super::super::weight::light_weight;
 
 /// A batch of diffuse vertices that are shaded together.
 #[derive(Default)]
@@ -57,6 +59,10 @@ pub(super) struct LightSampleLanes {
     pub(super) distance: Lanes<f64>,
     /// 0 where the emitter is not visible; negative inside an emitter.
     pub(super) pdf: Lanes<f64>,
+    /// True where BSDF sampling need not find the emitter as well.
+    is_exact: Lanes<bool>,
+    /// True where the horizon cuts the only emitter, which the scalar code then samples.
+    pub(super) is_cut_by_horizon: Lanes<bool>,
     /// `weight cos / pdf`.
     pub(super) mis_factor: Lanes<f32>,
     pub(super) sampled: [SampledLight; LANES],
@@ -118,9 +124,20 @@ impl DiffuseBatch {
 }
 
 impl LightSampleLanes {
+    /// Stores a sample of the only emitter.
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, light: &LaneLightSample, is_outside: bool) {
+        self.direction.set(lane, light.sample.direction);
+        self.distance.0[lane] = light.sample.distance;
+        self.pdf.0[lane] = if is_outside { light.sample.pdf } else { -1.0 };
+        self.is_exact.0[lane] = light.is_projected;
+        self.is_cut_by_horizon.0[lane] = is_outside && light.is_cut_by_horizon;
+    }
+
     /// Stores a light sample that was drawn by the scalar code.
     pub(super) fn set(&mut self, lane: usize, sample: Option<LightSample>) {
         self.pdf.0[lane] = sample.map_or(0.0, |sample| sample.pdf);
+        self.is_exact.0[lane] = sample.is_some_and(|sample| sample.is_exact);
         let Some(sample) = sample else { return };
         self.direction.set(lane, sample.direction);
         self.distance.0[lane] = sample.distance;
@@ -192,13 +209,10 @@ impl SimdKernel for SampleSingleEmitter<'_> {
             [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
         let Sphere { center, radius } = self.sphere;
         for lane in 0..LANES {
-            let to_center = center - hit.point.get(lane);
-            let distance = to_center.length();
-            let cone = Cone::from_axis(to_center, distance, radius);
-            let sample = cone.sample([light.u[0].0[lane], light.u[1].0[lane]]);
-            light.direction.set(lane, sample.direction);
-            light.distance.0[lane] = sample.distance;
-            light.pdf.0[lane] = if radius < distance { sample.pdf } else { -1.0 };
+            let (point, normal) = (hit.point.get(lane), hit.normal.get(lane));
+            let u = [light.u[0].0[lane], light.u[1].0[lane]];
+            let is_outside = radius < (center - point).length();
+            light.set_lane(lane, &sample_projected(point, normal, &self.sphere, u), is_outside);
         }
     }
 }
@@ -220,13 +234,11 @@ impl SimdKernel for SampleCutEmitter<'_> {
         let (sphere, cut) = (self.sphere, *self.cut);
         let ids = vertices.map(|vertex| vertex.id);
         for lane in 0..LANES {
-            let point = hit.point.get(lane);
+            let (point, normal) = (hit.point.get(lane), hit.normal.get(lane));
             let u = [light.u[0].0[lane], light.u[1].0[lane]];
-            let sample = sample_cut_emitter(&cut, ids[lane], point, &sphere, u);
-            light.direction.set(lane, sample.direction);
-            light.distance.0[lane] = sample.distance;
             let is_outside = sphere.radius < (sphere.center - point).length();
-            light.pdf.0[lane] = if is_outside { sample.pdf } else { -1.0 };
+            let sample = sample_cut_emitter(&cut, ids[lane], (point, normal), &sphere, u);
+            light.set_lane(lane, &sample, is_outside);
         }
     }
 }
@@ -246,7 +258,7 @@ impl SimdKernel for SampleBsdfLanes<'_> {
             let normal = hit.normal.get(lane);
             let wi = DVec3::new(0.0, 0.0, normal.dot(light.direction.get(lane)));
             let (pdf, pdf_bsdf) = (light.pdf.0[lane], Diffuse::pdf_cosine(wi));
-            let weight = mis_weight(self.estimator, pdf, pdf_bsdf);
+            let weight = light_weight(self.estimator, light.is_exact.0[lane], pdf, pdf_bsdf);
             let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z };
             let factor = (weight * cos / pdf) as f32;
             light.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };

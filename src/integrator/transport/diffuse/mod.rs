@@ -122,13 +122,14 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
                 Some(cut) => isa.run(SampleCutEmitter { batch, emitter, sphere, cut }),
                 None => isa.run(SampleSingleEmitter { batch, emitter, sphere }),
             }
+            for lane in 0..batch.count {
+                if batch.light.is_cut_by_horizon.0[lane] {
+                    self.sample_light_in_lane(batch, lane);
+                }
+            }
         } else {
             for lane in 0..batch.count {
-                let ctx = LightSampleContext { hit: lane_hit(batch, lane), is_two_sided: false };
-                let u = [batch.light.u[0].0[lane], batch.light.u[1].0[lane]];
-                let u_select = batch.light.u_select.0[lane];
-                let sample = lights.sample(scene.spheres(), &ctx, u_select, u);
-                batch.light.set(lane, sample);
+                self.sample_light_in_lane(batch, lane);
             }
         }
         isa.run(SampleBsdfLanes { batch, estimator });
@@ -136,6 +137,17 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             self.continue_lane(batch, lane, paths, next, shadow_queue);
         }
         batch.count = 0;
+    }
+
+    /// Samples a light for one lane.
+    fn sample_light_in_lane(&self, batch: &mut DiffuseBatch, lane: usize) {
+        let scene = self.context.scene;
+        let hit = lane_hit(batch, lane);
+        let ctx = LightSampleContext { hit, is_two_sided: false, is_lambertian: true };
+        let u = [batch.light.u[0].0[lane], batch.light.u[1].0[lane]];
+        let u_select = batch.light.u_select.0[lane];
+        let sample = self.context.prepared.lights().sample(scene.spheres(), &ctx, u_select, u);
+        batch.light.set(lane, sample);
     }
 
     /// Applies the result of a lane to its path.
@@ -181,9 +193,9 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             let unbounded = PathRay::new(point, batch.bsdf.direction.get(lane));
             next.rays.push(&PathRay { origin_sphere: id, ..unbounded });
             next.states.push(state);
-            let (side, is_two_sided) = (Side::Outside, false);
+            let (side, is_two_sided, is_lambertian) = (Side::Outside, false, true);
             self.prev_vertices[state.batch_index as usize] =
-                PrevVertex { pdf, point, normal, id, side, is_two_sided };
+                PrevVertex { pdf, point, normal, id, side, is_two_sided, is_lambertian };
         }
     }
 
