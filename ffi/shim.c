@@ -416,8 +416,8 @@ static void begin(Query *query, const PsRay *ray) {
     init_context(query);
 }
 
-/* Cuts a ray's interval to where the ray is in the ball around a group. Returns false if that leaves
- * less than nothing. */
+/* Cuts a ray's interval to where the ray is in the ball around a group. Returns false if that
+ * leaves less than nothing. */
 static bool clip(const Query *query, const PsGroup *group, double *enter, double *leave) {
     const double *o = query->origin, *d = query->direction, *c = group->center;
     double t_min = *enter, radius_squared = group->radius * group->radius;

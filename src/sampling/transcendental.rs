@@ -81,7 +81,7 @@ pub fn exp(x: f64) -> f64 {
 }
 
 /// Returns the cube root.
-pub fn cbrt(x: f64) -> f64 {
+pub(super) fn cbrt(x: f64) -> f64 {
     libm::cbrt(x)
 }
 
