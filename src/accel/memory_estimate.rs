@@ -22,7 +22,7 @@ impl Backend {
             // Treelets are built in batches of a million spheres, in addition to the tree so far.
             Self::Native => [34.0 * n, 34.0 * n + 42.0 * n.min(1e6)],
             // Embree allocates several megabytes at once.
-            Self::Embree => [64.0 * n, 64.2 * n].map(|bytes| bytes + (10.0 * n).min(6e6)),
+            Self::Embree => [48.0 * n, 50.0 * n].map(|bytes| bytes + (10.0 * n).min(6e6)),
             Self::EmbreeUser => [77.0 * n, 119.0 * n],
         };
         MemoryEstimate { built: built as u64, peak: peak as u64 }

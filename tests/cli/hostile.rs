@@ -184,8 +184,8 @@ fn threads_that_the_system_denies_are_an_error_or_a_warning() {
             let _ = fs::remove_file(desk.path().join(name));
         }
     }
-    // With one thread nothing works, with 13 all does, and more are never worse.
-    assert!(codes.is_sorted_by_key(|code| *code == Some(0)), "{codes:?}");
+    // With one thread nothing works, and with 13 all does. In between, it depends on which threads
+    // have ended before others start.
     assert_eq!((codes[0], codes[12]), (Some(3), Some(0)), "{codes:?}");
     if cfg!(feature = "embree") {
         // There is room for the render's threads, but not for as many of Embree's.
