@@ -1,4 +1,6 @@
 //! Random numbers and what is drawn with them, against their densities.
 
 mod chi2;
+mod correlated;
+mod families;
 mod samplers;

@@ -47,29 +47,43 @@ fn points(first: u32, count: u32, pixel: u64, dimensions: &[u32]) -> Vec<Vec<f64
 }
 
 #[test]
-fn pairs_of_dimensions_are_nets() {
-    // The first pair of a set is the best there is, t = 0; Sobol's bound for the second is 1 + 2.
+fn both_pairs_of_a_set_are_perfect_nets() {
     for set in [0u32, 1, 2, 9, 100, 1 << 29] {
         for m in 1..=10 {
             for first in [0, 1 << m, 3 << 20] {
-                let pair = |d| points(first, 1 << m, 77, &[4 * set + d, 4 * set + d + 1]);
-                assert!(is_net(&pair(0), 0), "set {set}, 2^{m} points from {first}");
-                assert!(m < 3 || is_net(&pair(2), 3), "set {set}, 2^{m} points from {first}");
+                for pair in [0, 2] {
+                    let pair = [4 * set + pair, 4 * set + pair + 1];
+                    let net = points(first, 1 << m, 77, &pair);
+                    assert!(is_net(&net, 0), "{pair:?}, 2^{m} points from {first}");
+                }
             }
         }
     }
 }
 
+/// Returns true if the 4^m points are a perfect net in base 4: every box of volume 4^-m whose sides
+/// are powers of 1/4 holds one of them.
+fn is_perfect_in_base_4(points: &[Vec<f64>]) -> bool {
+    let m = points.len().ilog2() / 2;
+    let doubled = |digits: Vec<u32>| digits.into_iter().map(|n| 2 * n).collect::<Vec<_>>();
+    shares(m, points[0].len()).into_iter().all(|digits| fullest(points, &doubled(digits)) == 1)
+}
+
 #[test]
 fn sets_of_four_are_nets() {
-    // Sobol's bound: t is the sum of the polynomials' degrees less one, 0 + 0 + 1 + 2.
     for (set, first) in [(0, 0), (1, 0), (5, 1 << 20)] {
         let dimensions: Vec<u32> = (4 * set..4 * set + 4).collect();
-        for m in [4, 7, 9] {
-            assert!(is_net(&points(first, 1 << m, 3, &dimensions), 3), "set {set}, 2^{m}");
+        for m in 1..=5 {
+            let net = points(first, 1 << (2 * m), 3, &dimensions);
+            assert!(is_perfect_in_base_4(&net), "set {set}, 4^{m}");
         }
-        assert!(!is_net(&points(first, 1 << 7, 3, &dimensions), 0), "the check can fail");
+        // In base 2, where t = 0 is impossible for four dimensions.
+        for (m, t) in [(4, 1), (5, 2), (6, 2), (7, 3), (8, 2), (9, 3)] {
+            let net = points(first, 1 << m, 3, &dimensions);
+            assert!(is_net(&net, t) && !is_net(&net, t - 1), "set {set}, 2^{m}");
+        }
     }
+    assert!(!is_perfect_in_base_4(&points(0, 64, 3, &[0, 1, 4, 5])), "the check can fail");
 }
 
 #[test]
@@ -258,8 +272,7 @@ fn a_number_is_the_same_alone_and_in_its_pair_and_never_one() {
 }
 
 /// Scene, seed and sample name a number for good: a checkpoint goes on with the numbers of the
-/// program that wrote it, and a picture can be made again. So these are pinned, as they were in the
-/// first version. If they change then every picture does: that is a decision, and goes into the
+/// program that wrote it, and a picture can be made again. So these are pinned. If they change then every picture does: that is a decision, and goes into the
 /// changelog.
 #[test]
 fn numbers_are_those_of_every_version() {
@@ -280,6 +293,6 @@ fn numbers_are_those_of_every_version() {
     };
     assert_eq!(
         KINDS.map(digest),
-        [0xb12d_933f_b9fe_ecfb, 0xb0a9_ace4_7963_2071, 0x1331_24dd_1d2d_f6fa],
+        [0x08ab_3220_3875_9364, 0xb0a9_ace4_7963_2071, 0x1331_24dd_1d2d_f6fa],
     );
 }

@@ -1,19 +1,19 @@
-//! The Sobol sequence: a binary matrix for each dimension.
+//! The generator matrices: four dimensions of Niederreiter's (0, 4)-sequence in base 4.
 //!
-//! The matrices are derived from primitive polynomials over GF(2) and a few odd initial numbers,
-//! those of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional
-//! projections", SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
+//! An index is read as a vector of base-4 digits, lowest first, and a digit as an element of the
+//! field GF(4) = {0, 1, w, w^2} with w^2 = w + 1. Dimension `d` multiplies the vector by Pascal's
+//! matrix with powers of the d-th element (Faure 1982; Niederreiter 1987, "Point Sets and Sequences
+//! with Small Discrepancy"). Of an aligned block of 4^m points, each box with sides 4^-k and volume
+//! 4^-m holds one. Elements are pairs of bits, so everything here is linear over GF(2), as in
+//! Sobol's sequence.
+//!
+//! The two bits that represent an element are chosen such that dimensions 0 and 1, and 2 and 3, are
+//! (0, 2)-sequences in base 2 as well: of an aligned block of 2^m points, each box with sides 2^-k
+//! and area 2^-m holds one. Ahmed, Pharr, Ostromoukhov and Huang 2025, "SZ Sequences: Binary-Based
+//! (0, 2^q)-Sequences", found such sequences by a search.
 
-/// Number of dimensions in the table, equal to the size of a set; see `docs/sampling.md`.
+/// Number of dimensions, equal to the size of a set; GF(4) has no more elements.
 pub(super) const DIMENSIONS: usize = 4;
-
-/// One dimension: the degree `s` of its polynomial, the polynomial's inner coefficients `a` as
-/// bits, and the initial numbers `m_1 ... m_s`, padded with 0.
-type Initial = (usize, u32, [u32; 3]);
-
-/// The dimensions after the first, which is van der Corput's and needs no table.
-const INITIAL: [Initial; DIMENSIONS - 1] =
-    [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
 
 /// Contribution of each group of four index bits to the point, in all dimensions. The first group
 /// is that of the lowest four bits, lowest bit first.
@@ -45,7 +45,7 @@ const fn direction_tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
     let mut tables = [[[0; 16]; 8]; DIMENSIONS];
     let mut dimension = 1;
     while dimension < DIMENSIONS {
-        let directions = direction_numbers(INITIAL[dimension - 1]);
+        let directions = direction_numbers(dimension as u32);
         let mut entry = 0;
         while entry < 8 * 16 * 4 {
             let (group, bits, bit) = (entry / 64, entry / 4 % 16, entry % 4);
@@ -59,27 +59,40 @@ const fn direction_tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
     tables
 }
 
-/// Computes the direction numbers, binary fractions in 32 bits: the contribution of each index bit
-/// to the point.
-const fn direction_numbers((degree, coefficients, initial): Initial) -> [u32; 32] {
-    let mut v = [0; 32];
-    let mut k = 0;
-    while k < 32 {
-        v[k] = if k < degree {
-            initial[k] << (31 - k)
-        } else {
-            v[k - degree] ^ (v[k - degree] >> degree)
-        };
-        let mut i = 1;
-        while i < degree && k >= degree {
-            if coefficients >> (degree - 1 - i) & 1 == 1 {
-                v[k] ^= v[k - i];
+/// Computes the direction numbers of a dimension, binary fractions in 32 bits: the contribution of
+/// each index bit to the point.
+const fn direction_numbers(dimension: u32) -> [u32; 32] {
+    let mut directions = [0; 32];
+    let mut bit = 0;
+    while bit < 32 {
+        let column = bit / 2;
+        // Row `row` of Pascal's matrix has C(column, row) a^(column - row), and the binomial
+        // coefficient is odd where `row` has no bit that `column` lacks (Lucas).
+        let mut power = 1 << (bit % 2);
+        let mut row = column + 1;
+        while row > 0 {
+            row -= 1;
+            if row & column == row {
+                directions[bit] |= digit(power, dimension) << (30 - 2 * row);
             }
-            i += 1;
+            power = multiply(power, dimension);
         }
-        k += 1;
+        bit += 1;
     }
-    v
+    directions
+}
+
+/// Returns the two bits of a coordinate that represent an element.
+const fn digit(element: u32, dimension: u32) -> u32 {
+    let [one, omega] = [element & 1, element >> 1];
+    let upper = if dimension % 2 == 0 { one } else { one ^ omega };
+    upper << 1 | omega
+}
+
+/// Multiplies elements of the field: polynomials over GF(2) modulo x^2 + x + 1.
+const fn multiply(a: u32, b: u32) -> u32 {
+    let product = (a & 1) * b ^ (a >> 1) * (b << 1);
+    product ^ (product >> 2) * 0b111
 }
 
 #[cfg(test)]
@@ -91,17 +104,18 @@ mod tests {
     }
 
     #[test]
-    fn the_first_points_are_sobols() {
-        // In index order, without the Gray code: computed by hand from the table.
+    fn the_first_points_follow_by_hand() {
+        // Digits 1, w, w^2 are 0.5, 0.25, 0.75 in even dimensions and 0.5, 0.75, 0.25 in odd ones;
+        // index 4 is digit 1 in the second place plus d in the first.
         let expected = [
             [0.0, 0.0, 0.0, 0.0],
             [0.5, 0.5, 0.5, 0.5],
-            [0.25, 0.75, 0.75, 0.75],
-            [0.75, 0.25, 0.25, 0.25],
-            [0.125, 0.625, 0.375, 0.125],
-            [0.625, 0.125, 0.875, 0.625],
-            [0.375, 0.375, 0.625, 0.875],
-            [0.875, 0.875, 0.125, 0.375],
+            [0.25, 0.75, 0.25, 0.75],
+            [0.75, 0.25, 0.75, 0.25],
+            [0.125, 0.625, 0.375, 0.375],
+            [0.625, 0.125, 0.875, 0.875],
+            [0.375, 0.375, 0.125, 0.625],
+            [0.875, 0.875, 0.625, 0.125],
         ];
         for (index, coordinates) in expected.into_iter().enumerate() {
             for (dimension, expected) in coordinates.into_iter().enumerate() {
@@ -111,51 +125,70 @@ mod tests {
     }
 
     #[test]
-    fn direction_numbers_follow_from_the_ones_before() {
-        // m_k = 2 a_1 m_(k-1) ^ 4 a_2 m_(k-2) ^ ... ^ 2^s m_(k-s) ^ m_(k-s), by hand.
-        let numbers = |initial| -> [u32; 6] {
-            let v = direction_numbers(initial);
-            std::array::from_fn(|k| v[k] >> (31 - k))
-        };
-        let expected = [[1, 3, 5, 15, 17, 51], [1, 3, 3, 9, 29, 23], [1, 3, 1, 5, 31, 29]];
-        assert_eq!(INITIAL.map(numbers), expected);
+    fn elements_form_a_field() {
+        for a in 0..4 {
+            for b in 0..4 {
+                assert_eq!(multiply(a, b), multiply(b, a));
+                assert_eq!(multiply(a, b) == 0, a == 0 || b == 0);
+                for c in 0..4 {
+                    assert_eq!(multiply(a, b ^ c), multiply(a, b) ^ multiply(a, c));
+                    assert_eq!(multiply(a, multiply(b, c)), multiply(multiply(a, b), c));
+                }
+            }
+            assert_eq!(multiply(a, 1), a);
+        }
+        assert_eq!(multiply(2, 2), 2 ^ 1, "w^2 = w + 1");
+    }
+
+    /// Returns the rows of a dimension's matrix: bit `k` of a row belongs to index bit `k`.
+    fn rows(dimension: u32) -> [u32; 32] {
+        let directions = direction_numbers(dimension);
+        std::array::from_fn(|row| (0..32).map(|k| (directions[k] >> (31 - row) & 1) << k).sum())
+    }
+
+    /// Returns true if no row is a sum of others, looking at the lower `columns` bits.
+    fn independent(rows: impl Iterator<Item = u32>, columns: u32) -> bool {
+        let mut basis = [0u32; 32];
+        rows.into_iter().all(|row| {
+            let mut row = row & (u32::MAX >> (32 - columns));
+            while row != 0 && basis[row.ilog2() as usize] != 0 {
+                row ^= basis[row.ilog2() as usize];
+            }
+            if row != 0 {
+                basis[row.ilog2() as usize] = row;
+            }
+            row != 0
+        })
     }
 
     #[test]
-    fn the_table_obeys_its_rules() {
-        for (row, (degree, coefficients, initial)) in INITIAL.into_iter().enumerate() {
-            let polynomial = 1 << degree | coefficients << 1 | 1;
-            assert_eq!(order_of_x(polynomial, degree), (1 << degree) - 1, "primitive, row {row}");
-            for (k, m) in initial.into_iter().enumerate() {
-                let allowed = if k < degree { m % 2 == 1 && m < 2 << k } else { m == 0 };
-                assert!(allowed, "row {row}: m_{} = {m}", k + 1);
-            }
-        }
-    }
-
-    /// Returns the smallest power of x that is 1 modulo the polynomial.
-    fn order_of_x(polynomial: u32, degree: usize) -> u32 {
-        let (mut power, mut order) = (1u32, 0);
-        loop {
-            power <<= 1;
-            if power >> degree & 1 == 1 {
-                power ^= polynomial;
-            }
-            order += 1;
-            if power == 1 {
-                return order;
+    fn both_pairs_are_perfect_in_base_2_at_every_count() {
+        for [a, b] in [[0, 1], [2, 3]].map(|pair| pair.map(rows)) {
+            for m in 1..=32 {
+                for k in 0..=m {
+                    let upper = a.into_iter().take(k).chain(b.into_iter().take(m - k));
+                    assert!(independent(upper, m as u32), "2^{m} points, {k} digits of the first");
+                }
             }
         }
     }
 
     #[test]
-    fn every_dimension_by_itself_visits_every_cell_once() {
-        for dimension in 0..DIMENSIONS {
-            let mut seen = vec![false; 1024];
-            for index in 3 * 1024..4 * 1024 {
-                let cell = (point(index, dimension) * 1024.0) as usize;
-                assert!(!std::mem::replace(&mut seen[cell], true));
+    fn all_four_are_perfect_in_base_4_at_every_count() {
+        let all = [0, 1, 2, 3].map(rows);
+        let mut checked = 0;
+        for m in 1..=16 {
+            for i in 0..=m {
+                for j in 0..=m - i {
+                    for k in 0..=m - i - j {
+                        let digits = [i, j, k, m - i - j - k];
+                        let upper = all.iter().zip(digits).flat_map(|(rows, n)| &rows[..2 * n]);
+                        assert!(independent(upper.copied(), 2 * m as u32), "{digits:?}");
+                        checked += 1;
+                    }
+                }
             }
         }
+        assert_eq!(checked, 4844);
     }
 }
