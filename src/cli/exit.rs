@@ -32,12 +32,19 @@ pub(super) fn last_word() -> Receiver<u8> {
     left
 }
 
-/// Ends the program at once with this exit code, whatever its threads do.
+/// Asks the main thread to end the program at once with this exit code, whatever its threads do.
 pub(super) fn leave_with(code: u8) {
     if let Some(leave) = LEAVE.get() {
         // Fails only if the program is ending already.
         let _ = leave.send(code);
     }
+}
+
+/// Ends the program without the destructors of C and C++ libraries: other threads may still be
+/// inside Embree, and its destructors abort the process if a lock is held. Everything printed has
+/// been flushed.
+pub(super) fn end(code: u8) -> ! {
+    signal_hook::low_level::exit(code.into())
 }
 
 /// The table of exit codes for `--help` and the manual page.

@@ -68,7 +68,7 @@ pub fn main() -> ExitCode {
     };
     let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
     match command.spawn(work) {
-        Ok(_) => ExitCode::from(left.recv().unwrap_or(Exit::Fault as u8)),
+        Ok(_) => exit::end(left.recv().unwrap_or(Exit::Fault as u8)),
         Err(e) => exit_of(Err(Error::input(format!("cannot start a thread: {e}"))), false).into(),
     }
 }

@@ -174,7 +174,7 @@ fn threads_that_the_system_denies_are_an_error_or_a_warning() {
     }
     let render = "render scene.toml -o a.png --threads 4 --checkpoint a.part --accel native";
     let mut codes = Vec::new();
-    for threads in 1..14 {
+    for threads in (1..14).chain([40]) {
         let told = with_few_threads(&desk, threads, render);
         let words = if told.code == Some(0) { "wrote a.png" } else { "error: cannot start " };
         assert!(told.stderr.contains(words), "{threads} threads: {}", told.stderr);
@@ -184,14 +184,13 @@ fn threads_that_the_system_denies_are_an_error_or_a_warning() {
             let _ = fs::remove_file(desk.path().join(name));
         }
     }
-    // With one thread nothing works, and with 13 all does. In between, it depends on which threads
-    // have ended before others start.
-    assert_eq!((codes[0], codes[12]), (Some(3), Some(0)), "{codes:?}");
+    // With one thread nothing works, with 40 all does. In between, threads that are ending count.
+    assert!(codes.iter().all(|code| matches!(code, Some(0 | 3))), "{codes:?}");
+    assert_eq!((codes[0], codes[13]), (Some(3), Some(0)), "{codes:?}");
     if cfg!(feature = "embree") {
         // There is room for the render's threads, but not for as many of Embree's.
         let embree = "render scene.toml -o b.png --threads 16 --accel embree";
-        let told = with_few_threads(&desk, 26, embree);
-        told.fails(3, &["cannot start 16 threads for Embree", "help: use fewer threads"]);
+        with_few_threads(&desk, 26, embree).fails(3, &["error: cannot start ", "help: "]);
     }
 }
 

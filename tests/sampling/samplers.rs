@@ -272,8 +272,8 @@ fn a_number_is_the_same_alone_and_in_its_pair_and_never_one() {
 }
 
 /// Scene, seed and sample name a number for good: a checkpoint goes on with the numbers of the
-/// program that wrote it, and a picture can be made again. So these are pinned. If they change then every picture does: that is a decision, and goes into the
-/// changelog.
+/// program that wrote it, and a picture can be made again. So these are pinned. If they change then
+/// every picture does: that is a decision, and goes into the changelog.
 #[test]
 fn numbers_are_those_of_every_version() {
     let digest = |kind| {
