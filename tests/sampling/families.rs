@@ -3,12 +3,12 @@
 use photosphere::sampling::{Sampler, exp, sin_cos_2pi};
 
 /// Two numbers for the position in the pixel, two for the direction to the light.
-pub(super) type Point = [f64; 4];
+pub(crate) type Point = [f64; 4];
 
-pub(super) type Integrand = Box<dyn Fn(Point) -> f64>;
+pub(crate) type Integrand = Box<dyn Fn(Point) -> f64>;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Family {
+pub(crate) enum Family {
     /// An edge in the pixel, and an edge that hides part of the light.
     EdgeTimesEdge,
     /// An edge in the pixel, and a ball that hides part of the light.
@@ -30,7 +30,7 @@ pub(super) enum Family {
 }
 
 impl Family {
-    pub(super) const PIXEL_AND_LIGHT: [Self; 5] = [
+    pub(crate) const PIXEL_AND_LIGHT: [Self; 5] = [
         Self::EdgeTimesEdge,
         Self::EdgeTimesDisc,
         Self::Penumbra,
@@ -40,7 +40,7 @@ impl Family {
 }
 
 /// Returns the members of a family: 64, with parameters at random.
-pub(super) fn draw(family: Family) -> Vec<Integrand> {
+pub(crate) fn draw(family: Family) -> Vec<Integrand> {
     (0..64)
         .map(|member| integrand(family, Numbers(Sampler::independent(1, 0, member), 0)))
         .collect()

@@ -91,8 +91,8 @@ const fn digit(element: u32, dimension: u32) -> u32 {
 
 /// Multiplies elements of the field: polynomials over GF(2) modulo x^2 + x + 1.
 const fn multiply(a: u32, b: u32) -> u32 {
-    let product = (a & 1) * b ^ (a >> 1) * (b << 1);
-    product ^ (product >> 2) * 0b111
+    let product = ((a & 1) * b) ^ ((a >> 1) * (b << 1));
+    product ^ ((product >> 2) * 0b111)
 }
 
 #[cfg(test)]
