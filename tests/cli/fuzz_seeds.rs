@@ -15,7 +15,7 @@ fn folder(name: &str) -> PathBuf {
 
 fn names(folder: PathBuf) -> BTreeSet<String> {
     let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    entries.map(|entry| entry.expect("readable").file_name().into_string().expect("text")).collect()
 }
 
 /// Takes the inputs of one target. A name that begins with `bad-` is that of an input that is
@@ -26,7 +26,7 @@ fn replay(name: &str) {
     let seeds = names(folder(name));
     assert!(seeds.iter().any(|seed| !seed.starts_with("past-")), "{name} has no seeds");
     for seed in seeds {
-        let input = fs::read(folder(name).join(&seed)).unwrap();
+        let input = fs::read(folder(name).join(&seed)).expect("readable");
         println!("{name}/{seed}");
         let is_accepted = targets::run(name, &input);
         if !seed.starts_with("past-") {

@@ -232,12 +232,11 @@ impl SimdKernel for SampleCutEmitter<'_> {
         light.sampled =
             [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
         let (sphere, cut) = (self.sphere, *self.cut);
-        let ids = vertices.map(|vertex| vertex.id);
-        for lane in 0..LANES {
+        for (lane, vertex) in vertices.iter().enumerate() {
             let (point, normal) = (hit.point.get(lane), hit.normal.get(lane));
             let u = [light.u[0].0[lane], light.u[1].0[lane]];
             let is_outside = sphere.radius < (sphere.center - point).length();
-            let sample = sample_cut_emitter(&cut, ids[lane], (point, normal), &sphere, u);
+            let sample = sample_cut_emitter(&cut, vertex.id, (point, normal), &sphere, u);
             light.set_lane(lane, &sample, is_outside);
         }
     }
