@@ -125,7 +125,7 @@ fn exposed_cap(
 
 /// A sample of an emitter from a Lambertian surface, for loops over lanes.
 pub struct LaneLightSample {
-    /// The direction, the distance and the pdf, as [`VisibleEmitter::sample`] returns them.
+    /// The direction, the distance and the pdf, as `VisibleEmitter::sample` returns them.
     pub sample: ConeSample,
     /// True if the emitter is sampled in proportion to the cosine.
     pub is_projected: bool,
