@@ -46,3 +46,15 @@ find_rust() {
     done
     return 1
 }
+
+# Exports PHOTOSPHERE, the path of the program: what the caller's environment names, or else a fresh
+# build.
+find_program() {
+    if [[ -z ${PHOTOSPHERE:-} ]]; then
+        find_rust
+        "$cargo" build --release --quiet --manifest-path "$repository/Cargo.toml"
+        PHOTOSPHERE=${CARGO_TARGET_DIR:-$repository/target}/release/photosphere
+    fi
+    PHOTOSPHERE=$(realpath "$PHOTOSPHERE")
+    export PHOTOSPHERE
+}

@@ -12,7 +12,8 @@
 # without them, a line says what was skipped.
 set -euo pipefail
 
-repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/toolchain.sh
+. "$(dirname "${BASH_SOURCE[0]}")/toolchain.sh"
 rounds=${1:-15}
 seed=${2:-$(($(date +%s) % 32768))}
 declare -A sent=()
@@ -20,17 +21,6 @@ finished=0 at_work=0 skipped=()
 
 check_usage() {
     [[ $rounds =~ ^[0-9]+$ && $seed =~ ^[0-9]+$ ]] || { sed -n '6s/^# *//p' "$0"; exit 2; }
-}
-
-find_program() {
-    if [[ -z ${PHOTOSPHERE:-} ]]; then
-        # shellcheck source=scripts/toolchain.sh
-        . "$repository/scripts/toolchain.sh"
-        find_rust
-        "$cargo" build --release --quiet --manifest-path "$repository/Cargo.toml"
-        PHOTOSPHERE=${CARGO_TARGET_DIR:-$repository/target}/release/photosphere
-    fi
-    PHOTOSPHERE=$(realpath "$PHOTOSPHERE")
 }
 
 fail() {
@@ -50,24 +40,6 @@ clean_mounts() {
 clean_up() {
     clean_mounts
     rm -rf --one-file-system "$root"
-}
-
-write_scene() {
-    cat >scene.toml <<'END'
-format = 1
-image = { width = 60, height = 45 }
-camera = { position = [0, 1, 6], look_at = [0, 1, 0] }
-background.radiance = [0.5, 0.6, 0.7]
-materials.diffuse = { type = "diffuse", albedo = [0.5, 0.4, 0.3] }
-materials.glass = { type = "dielectric", ior = 1.5 }
-materials.lamp = { type = "diffuse", albedo = [0, 0, 0], emission = [9, 9, 9] }
-spheres = [
-    { center = [0, -1e6, 0], radius = 1e6, material = "diffuse" },
-    { center = [-1, 1, 0], radius = 1, material = "diffuse" },
-    { center = [1, 1, 0], radius = 1, material = "glass" },
-    { center = [0, 4, 0], radius = 0.5, material = "lamp" },
-]
-END
 }
 
 # ---- The renders ----
@@ -404,7 +376,7 @@ mkdir "$root/work"
 cd "$root/work"
 RANDOM=$seed
 declare -a all=()
-write_scene
+cp "$repository/tests/cli/kill.toml" scene.toml
 render_whole
 SECONDS=0
 torture

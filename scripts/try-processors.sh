@@ -11,7 +11,8 @@
 # it is built. Takes about 5 minutes of processor time.
 set -euo pipefail
 
-repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/toolchain.sh
+. "$(dirname "${BASH_SOURCE[0]}")/toolchain.sh"
 emulator=qemu-x86_64-static
 processors=("$@")
 ((${#processors[@]} > 0)) || processors=(Nehalem Haswell)
@@ -26,16 +27,8 @@ install() {
     DEBIAN_FRONTEND=noninteractive apt-get install -qq --no-install-recommends qemu-user-static >/dev/null
 }
 
-find_program() {
-    if [[ -z ${PHOTOSPHERE:-} ]]; then
-        # shellcheck source=scripts/toolchain.sh
-        . "$repository/scripts/toolchain.sh"
-        find_rust
-        "$cargo" build --release --quiet --manifest-path "$repository/Cargo.toml"
-        PHOTOSPHERE=${CARGO_TARGET_DIR:-$repository/target}/release/photosphere
-    fi
-    PHOTOSPHERE=$(realpath "$PHOTOSPHERE")
-    # A build without Embree has two intersectors.
+# A build without Embree has two intersectors.
+find_intersectors() {
     "$PHOTOSPHERE" doctor | grep -q 'embree .*works' || intersectors=(native brute-force)
 }
 
@@ -90,6 +83,7 @@ kernels() {
 
 install
 find_program
+find_intersectors
 root=$(mktemp -d "${TMPDIR:-/tmp}/photosphere-processors.XXXXXX")
 trap 'rm -rf --one-file-system "$root"' EXIT
 SECONDS=0

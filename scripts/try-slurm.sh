@@ -11,7 +11,8 @@
 # names none, it is built. In a chroot, /proc, /dev and /sys must be mounted.
 set -euo pipefail
 
-repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/toolchain.sh
+. "$(dirname "${BASH_SOURCE[0]}")/toolchain.sh"
 limit=${1:-600}
 scene=$repository/scenes/paper/fig2.toml
 packages=(slurmctld slurmd slurm-client munge)
@@ -32,18 +33,6 @@ install() {
     echo "Installing ${packages[*]}"
     apt-get update -qq
     DEBIAN_FRONTEND=noninteractive apt-get install -qq --no-install-recommends "${packages[@]}" >/dev/null
-}
-
-find_program() {
-    if [[ -z ${PHOTOSPHERE:-} ]]; then
-        # shellcheck source=scripts/toolchain.sh
-        . "$repository/scripts/toolchain.sh"
-        find_rust
-        "$cargo" build --release --quiet --manifest-path "$repository/Cargo.toml"
-        PHOTOSPHERE=${CARGO_TARGET_DIR:-$repository/target}/release/photosphere
-    fi
-    PHOTOSPHERE=$(realpath "$PHOTOSPHERE")
-    export PHOTOSPHERE
 }
 
 # ---- The cluster ----

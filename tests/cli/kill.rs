@@ -12,21 +12,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::desk::Desk;
 
-const SCENE: &str = r#"
-format = 1
-image = { width = 60, height = 45 }
-camera = { position = [0, 1, 6], look_at = [0, 1, 0] }
-background.radiance = [0.5, 0.6, 0.7]
-materials.diffuse = { type = "diffuse", albedo = [0.5, 0.4, 0.3] }
-materials.glass = { type = "dielectric", ior = 1.5 }
-materials.lamp = { type = "diffuse", albedo = [0, 0, 0], emission = [9, 9, 9] }
-spheres = [
-    { center = [0, -1e6, 0], radius = 1e6, material = "diffuse" },
-    { center = [-1, 1, 0], radius = 1, material = "diffuse" },
-    { center = [1, 1, 0], radius = 1, material = "glass" },
-    { center = [0, 4, 0], radius = 0.5, material = "lamp" },
-]
-"#;
+const SCENE: &str = include_str!("kill.toml");
 
 /// What is rendered, and how often it is killed: a number of samples, and a target of noise.
 const TRIALS: [(&str, usize); 2] = [("--spp 263", 240), ("--noise 4%", 60)];
