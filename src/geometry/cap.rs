@@ -10,7 +10,7 @@ use crate::fault::fault;
 use crate::math::{DVec3, Frame};
 use crate::sampling;
 
-use super::cone::ConeSample;
+use super::cone::{Cone, ConeSample};
 use super::{Side, Sphere};
 
 /// A cap is sampled if the pdf of its cone is at most this many times the least pdf of the cap.
@@ -97,15 +97,23 @@ impl VisibleCap {
     }
 
     /// Returns true if a sample of the cap's area is expected to have less variance than one of the
-    /// cone, with this solid angle, that the whole sphere subtends.
+    /// cone that the whole sphere subtends.
     ///
     /// Both pdfs are compared at the point of the cap that is nearest to the shading point, where
     /// that of the cap is least.
     #[inline(always)]
-    pub fn is_narrower_than(&self, cone_solid_angle: f64) -> bool {
+    pub fn is_narrower_than(&self, cone: &Cone) -> bool {
+        let is_part = self.cap.height < Cap::WHOLE.height;
+        let of_cone = CAP_ADVANTAGE * cone.solid_angle();
+        // No point of the sphere is nearer, and no cosine is larger than 1.
+        let bound = cone.nearest_distance();
+        is_part && (self.area() < of_cone * bound * bound || self.is_narrower_by_nearest(of_cone))
+    }
+
+    #[inline(always)]
+    fn is_narrower_by_nearest(&self, of_cone: f64) -> bool {
         let Cap { axis, height } = self.cap;
-        let distance = self.to_center.length();
-        let towards = self.to_center * (-1.0 / distance);
+        let towards = self.to_center * (-1.0 / self.to_center.length());
         // In the plane of the axis and the shading point.
         let along = towards.dot(axis);
         let across = towards - axis * along;
@@ -116,8 +124,7 @@ impl VisibleCap {
         let to_nearest = self.to_center + nearest * self.radius;
         let squared = to_nearest.length_squared();
         let cos = (-to_nearest.dot(nearest)).max(0.0) / squared.sqrt();
-        let is_part = height < Cap::WHOLE.height;
-        is_part && self.area() * cos < CAP_ADVANTAGE * cone_solid_angle * squared
+        self.area() * cos < of_cone * squared
     }
 
     /// Samples a point uniformly over the cap's area, from `u` in `[0, 1)^2`, and returns its

@@ -12,7 +12,8 @@ use super::Sphere;
 /// The cone of directions in which a sphere is seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Cone {
-    frame: Frame,
+    /// Unit direction to the centre of the sphere.
+    axis: DVec3,
     distance: f64,
     radius: f64,
     /// `1 - cos(theta_max)`.
@@ -51,7 +52,7 @@ impl Cone {
         let cos_max = ((distance - radius) * (distance + radius)).sqrt() * per_distance;
         let cos_max = if fault!(ConeSmallAngle) { 1.0 } else { cos_max };
         Self {
-            frame: Frame::from_z(to_center * per_distance),
+            axis: to_center * per_distance,
             distance,
             radius,
             one_minus_cos_max: sin_max * sin_max / (1.0 + cos_max),
@@ -61,7 +62,13 @@ impl Cone {
     /// Returns the unit direction to the centre of the sphere.
     #[inline(always)]
     pub fn axis(&self) -> DVec3 {
-        self.frame.z
+        self.axis
+    }
+
+    /// Returns the distance from the point to the nearest point of the sphere.
+    #[inline(always)]
+    pub fn nearest_distance(&self) -> f64 {
+        self.distance - self.radius
     }
 
     /// Returns the sine and cosine of the angle between axis and rim.
@@ -73,17 +80,19 @@ impl Cone {
     /// Returns the distance to the visible side of the sphere in a direction within the cone.
     #[inline(always)]
     pub fn distance_along(&self, direction: DVec3) -> f64 {
-        let cos = direction.dot(self.frame.z);
-        let across = direction - self.frame.z * cos;
+        let cos = direction.dot(self.axis);
+        let across = direction - self.axis * cos;
         self.distance_to_sphere(across.length_squared(), cos)
     }
 
     /// Returns the solid angle in steradians, `2 pi (1 - cos)`.
+    #[inline(always)]
     pub fn solid_angle(&self) -> f64 {
         std::f64::consts::TAU * self.one_minus_cos_max
     }
 
     /// Returns the pdf of [`Self::sample`] for a direction inside the cone.
+    #[inline(always)]
     pub fn pdf(&self) -> f64 {
         1.0 / self.solid_angle()
     }
@@ -99,7 +108,7 @@ impl Cone {
         let cos = 1.0 - one_minus_cos;
         let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
         ConeSample {
-            direction: renormalize(self.frame.to_world(local)),
+            direction: renormalize(Frame::from_z(self.axis).to_world(local)),
             distance: self.distance_to_sphere(sin_squared, cos),
             pdf: self.pdf(),
         }

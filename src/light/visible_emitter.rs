@@ -25,6 +25,7 @@ pub(super) enum VisibleEmitter {
 
 impl VisibleEmitter {
     /// `None` if the emitter is not visible. `cut` is where walls cut it.
+    #[inline(always)]
     pub(super) fn new(
         ctx: &LightSampleContext,
         id: u32,
@@ -46,7 +47,7 @@ impl VisibleEmitter {
         }
         let cone = Cone::subtending(hit.point, emitter)?;
         let cap = cut.map(|cut| exposed_cap(cut, hit.id, hit.side, hit.point, emitter));
-        match cap.filter(|cap| cap.is_narrower_than(cone.solid_angle())) {
+        match cap.filter(|cap| cap.is_narrower_than(&cone)) {
             Some(cap) => Some(Self::Cap(cap)),
             None if is_lambertian => {
                 ProjectedCap::new(&cone, hit.facing_normal()).map(|cap| Self::Projected(cap, cone))
@@ -72,6 +73,7 @@ impl VisibleEmitter {
     }
 
     /// Samples a direction; returns it with the distance and the pdf.
+    #[inline(always)]
     pub(super) fn sample(&self, mut u: [f64; 2]) -> (DVec3, f64, f64) {
         match self {
             Self::Outside(cone) => {
@@ -168,7 +170,7 @@ pub fn sample_cut_emitter(
     let cone = Cone::from_axis(to_center, to_center.length(), emitter.radius);
     let cap = exposed_cap(cut, id, Side::Outside, point, emitter);
     let of_whole = sample_projected(point, normal, emitter, u);
-    let is_narrow = cap.is_narrower_than(cone.solid_angle());
+    let is_narrow = cap.is_narrower_than(&cone);
     LaneLightSample {
         sample: if is_narrow { cap.sample(u) } else { of_whole.sample },
         is_projected: !is_narrow,

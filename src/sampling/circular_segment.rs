@@ -13,7 +13,7 @@ use super::transcendental::cbrt;
 pub fn segment_area(sin: f64, cos: f64) -> f64 {
     let tan_half = sin / (1.0 + cos);
     let squared = tan_half * tan_half;
-    tan_half * squared * horner(squared, &AREA)
+    tan_half * squared * polynomial(squared, &AREA)
 }
 
 /// Returns `1 - cos psi` of the segment with this area, from 0 to that of the disc, pi; relative
@@ -24,53 +24,41 @@ pub fn one_minus_cos_of_segment(area: f64) -> f64 {
     let smaller = if is_large { PI - area } else { area };
     let root = cbrt(smaller.max(0.0));
     let squared = root * root;
-    let one_minus_cos = squared * horner(squared, &ONE_MINUS_COS);
+    let one_minus_cos = squared * polynomial(squared, &ONE_MINUS_COS);
     if is_large { 2.0 - one_minus_cos } else { one_minus_cos }
 }
 
-/// Evaluates a polynomial, given from its lowest coefficient, by Horner's rule.
+/// Evaluates a polynomial, given from its lowest coefficient, as four interleaved polynomials in
+/// `x^4`, which do not wait for one another.
 #[inline(always)]
-fn horner(x: f64, coefficients: &[f64]) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+fn polynomial<const N: usize>(x: f64, coefficients: &[[f64; 4]; N]) -> f64 {
+    let squared = x * x;
+    let fourth = squared * squared;
+    let mut sums = [0.0; 4];
+    for row in coefficients.iter().rev() {
+        for (sum, coefficient) in sums.iter_mut().zip(row) {
+            *sum = *sum * fourth + coefficient;
+        }
+    }
+    let [a, b, c, d] = sums;
+    (a + x * b) + squared * (c + x * d)
 }
 
 /// `(2 atan t - 2 t (1 - t^2) / (1 + t^2)^2) / t^3` by powers of `t^2`, interpolated at Chebyshev
 /// nodes of `[0, 1]`.
-const AREA: [f64; 18] = [
-    5.3333333333314465,
-    -9.599999998775187,
-    13.714285581320544,
-    -17.777772018210808,
-    21.818049265614682,
-    -25.844281874634508,
-    29.848987658360823,
-    -33.76421548835616,
-    37.31360218568838,
-    -39.73773550689787,
-    39.643315732366325,
-    -35.55512122527448,
-    27.314282021649515,
-    -17.063494649763257,
-    8.179635412528036,
-    -2.789928789102694,
-    0.5981240199037461,
-    -0.060269332954539526,
+const AREA: [[f64; 4]; 5] = [
+    [5.3333333333314465, -9.599999998775187, 13.714285581320544, -17.777772018210808],
+    [21.818049265614682, -25.844281874634508, 29.848987658360823, -33.76421548835616],
+    [37.31360218568838, -39.73773550689787, 39.643315732366325, -35.55512122527448],
+    [27.314282021649515, -17.063494649763257, 8.179635412528036, -2.789928789102694],
+    [0.5981240199037461, -0.060269332954539526, 0.0, 0.0],
 ];
 
 /// `(1 - cos psi) / A^(2/3)` by powers of `A^(2/3)`, interpolated up to half a disc.
-const ONE_MINUS_COS: [f64; 12] = [
-    0.6551853484222523,
-    0.042926811741189105,
-    0.008838320375193462,
-    0.0024203070336406315,
-    0.0006591561663235861,
-    0.0006198114298507026,
-    -0.0008354572259382538,
-    0.001538971011898982,
-    -0.001571875779560058,
-    0.0010524717017721713,
-    -0.00039723158606610944,
-    6.91834625426232e-05,
+const ONE_MINUS_COS: [[f64; 4]; 3] = [
+    [0.6551853484222523, 0.042926811741189105, 0.008838320375193462, 0.0024203070336406315],
+    [0.0006591561663235861, 0.0006198114298507026, -0.0008354572259382538, 0.001538971011898982],
+    [-0.001571875779560058, 0.0010524717017721713, -0.00039723158606610944, 6.91834625426232e-05],
 ];
 
 #[cfg(test)]
