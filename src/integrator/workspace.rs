@@ -5,7 +5,7 @@ use crate::material::MediumStack;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 
-use super::transport::{CameraRayBatch, DiffuseBatch, PathQueue, PrevVertex, ShadowRays};
+use super::transport::{CameraRayBatch, PathQueue, PrevVertex, ShadowRays, VertexBatches};
 
 /// Scratch memory that one thread reuses for every batch.
 #[derive(Default)]
@@ -14,7 +14,7 @@ pub struct Workspace {
     pub(super) path_queue: PathQueue,
     pub(super) next_path_queue: PathQueue,
     pub(super) camera_batch: CameraRayBatch,
-    pub(super) diffuse_batch: DiffuseBatch,
+    pub(super) vertex_batches: VertexBatches,
     pub(super) shadow_rays: ShadowRays,
     pub(super) samplers: Vec<Sampler>,
     pub(super) prev_vertices: Vec<PrevVertex>,

@@ -125,56 +125,69 @@ fn exposed_cap(
     cut.exposed_cap(id, point, hit_side).seen_from(point, emitter)
 }
 
-/// A sample of an emitter from a Lambertian surface, for loops over lanes.
+/// A point on a surface, for loops over lanes.
+pub struct LanePoint {
+    /// The sphere that it lies on.
+    pub id: u32,
+    /// The point.
+    pub point: DVec3,
+    /// The unit normal on the side that was hit.
+    pub facing_normal: DVec3,
+    /// The side that was hit.
+    pub side: Side,
+}
+
+/// A sample of an emitter, for loops over lanes.
 pub struct LaneLightSample {
-    /// The direction, the distance and the pdf, as `VisibleEmitter::sample` returns them.
+    /// The direction, the distance and the pdf, as `VisibleEmitter::sample` returns them; a pdf of
+    /// 0 if nothing of the emitter is visible.
     pub sample: ConeSample,
     /// True if the emitter is sampled in proportion to the cosine.
     pub is_projected: bool,
-    /// True if this is no sample, because the horizon cuts the emitter.
-    pub is_cut_by_horizon: bool,
+    /// True if this is no sample: from inside the emitter, or if the horizon cuts it at a
+    /// Lambertian surface. [`super::Lights::sample`] has to sample it.
+    pub is_missing: bool,
 }
 
-/// Samples an emitter by the cosine from a point outside it.
+/// Samples an emitter from a point on another sphere; a Lambertian surface samples it by the
+/// cosine. `cut` is where walls cut the emitter.
 #[inline(always)]
-pub fn sample_projected(
-    point: DVec3,
-    normal: DVec3,
+pub fn sample_in_lane<const IS_LAMBERTIAN: bool>(
+    at: &LanePoint,
     emitter: &Sphere,
+    cut: Option<&EmitterCut>,
     u: [f64; 2],
 ) -> LaneLightSample {
-    let to_center = emitter.center - point;
-    let cone = Cone::from_axis(to_center, to_center.length(), emitter.radius);
-    let cap = ProjectedCap::above_horizon(&cone, normal);
+    let to_center = emitter.center - at.point;
+    let distance = to_center.length();
+    let cone = Cone::from_axis(to_center, distance, emitter.radius);
+    let whole = match IS_LAMBERTIAN {
+        true => sample_projected(&cone, at.facing_normal, u),
+        false => LaneLightSample { sample: cone.sample(u), is_projected: false, is_missing: false },
+    };
+    let is_inside = !(emitter.radius < distance);
+    let Some(cut) = cut else {
+        return LaneLightSample { is_missing: whole.is_missing || is_inside, ..whole };
+    };
+    let cap = exposed_cap(cut, at.id, at.side, at.point, emitter);
+    let is_narrow = cap.is_narrower_than(&cone);
+    LaneLightSample {
+        sample: if is_narrow { cap.sample(u) } else { whole.sample },
+        is_projected: whole.is_projected && !is_narrow,
+        is_missing: (whole.is_missing && !is_narrow) || is_inside,
+    }
+}
+
+#[inline(always)]
+fn sample_projected(cone: &Cone, normal: DVec3, u: [f64; 2]) -> LaneLightSample {
+    let cap = ProjectedCap::above_horizon(cone, normal);
     let direction = cap.sample_whole(u);
     let pdf = if cap.is_above_horizon() { cap.pdf(direction) } else { 0.0 };
     let distance = cone.distance_along(direction);
     LaneLightSample {
         sample: ConeSample { direction, distance, pdf },
         is_projected: true,
-        is_cut_by_horizon: cap.is_cut_by_horizon(),
-    }
-}
-
-/// Samples an emitter, which a wall cuts, from a point outside it on the sphere `id`, hit from
-/// outside.
-#[inline(always)]
-pub fn sample_cut_emitter(
-    cut: &EmitterCut,
-    id: u32,
-    (point, normal): (DVec3, DVec3),
-    emitter: &Sphere,
-    u: [f64; 2],
-) -> LaneLightSample {
-    let to_center = emitter.center - point;
-    let cone = Cone::from_axis(to_center, to_center.length(), emitter.radius);
-    let cap = exposed_cap(cut, id, Side::Outside, point, emitter);
-    let of_whole = sample_projected(point, normal, emitter, u);
-    let is_narrow = cap.is_narrower_than(&cone);
-    LaneLightSample {
-        sample: if is_narrow { cap.sample(u) } else { of_whole.sample },
-        is_projected: !is_narrow,
-        is_cut_by_horizon: !is_narrow && of_whole.is_cut_by_horizon,
+        is_missing: cap.is_cut_by_horizon(),
     }
 }
 

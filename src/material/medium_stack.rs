@@ -35,14 +35,23 @@ pub struct MediumStack {
     entered: SmallVec<[Medium; INLINE]>,
 }
 
-/// The boundary that a path crosses at a dielectric sphere.
-#[derive(Clone, Debug)]
+/// The boundary that a path meets at a dielectric sphere.
+#[derive(Clone, Copy, Debug)]
 pub struct Boundary {
     /// Index of refraction beyond over that in front; `None` if the boundary is hidden in a medium
     /// of higher priority, so that light passes straight through.
     pub eta: Option<f64>,
-    /// The media beyond the boundary.
-    pub transmitted_media: MediumStack,
+    /// What a path does that goes through.
+    pub crossing: Crossing,
+}
+
+/// What happens to a path's media where it crosses a boundary.
+#[derive(Clone, Copy, Debug)]
+pub enum Crossing {
+    /// It enters this medium.
+    Enter(Medium),
+    /// It leaves the medium of this sphere.
+    Leave(u32),
 }
 
 impl MediumStack {
@@ -51,29 +60,48 @@ impl MediumStack {
 
     /// Returns the boundary of `medium`, hit from outside (`entering`) or from inside.
     pub fn boundary(&self, medium: Medium, entering: bool) -> Boundary {
-        let (outside, inside) = if entering {
-            (self.clone(), self.with(medium))
-        } else {
-            // A path whose entry was missed, near a tangent, is assumed to be inside.
-            let inside =
-                if self.contains(medium.sphere) { self.clone() } else { self.with(medium) };
-            (self.without(medium.sphere), inside)
+        // A path whose entry was missed, near a tangent, is assumed to be inside.
+        let own = if entering { None } else { self.position(medium.sphere) };
+        let outside = self.filling(own);
+        let is_visible = match own {
+            Some(_) => self.filling(None).is_some_and(|filling| filling.sphere == medium.sphere),
+            None => outside.is_none_or(|filling| {
+                filling.priority <= medium.priority || filling.sphere == medium.sphere
+            }),
         };
-        let is_visible = inside.current().is_some_and(|current| current.sphere == medium.sphere);
-        let ior = outside.current().map_or(1.0, |current| current.ior);
+        let ior = outside.map_or(1.0, |filling| filling.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
         let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
-        let transmitted_media =
-            if entering || fault!(MediumStackNotPopped) { inside } else { outside };
-        Boundary { eta: is_visible.then_some(eta), transmitted_media }
+        let crossing =
+            if entering { Crossing::Enter(medium) } else { Crossing::Leave(medium.sphere) };
+        Boundary { eta: is_visible.then_some(eta), crossing }
+    }
+
+    /// Crosses a boundary.
+    pub fn cross(&mut self, crossing: Crossing) {
+        match crossing {
+            Crossing::Enter(medium) => self.entered.push(medium),
+            Crossing::Leave(_) if fault!(MediumStackNotPopped) => {}
+            Crossing::Leave(sphere) => {
+                if let Some(index) = self.position(sphere) {
+                    self.entered.remove(index);
+                }
+            }
+        }
+    }
+
+    /// Returns the media beyond a boundary.
+    #[must_use]
+    pub fn beyond(&self, crossing: Crossing) -> Self {
+        let mut media = self.clone();
+        media.cross(crossing);
+        media
     }
 
     /// Returns the stack with `medium` pushed.
     #[must_use]
     pub fn with(&self, medium: Medium) -> Self {
-        let mut media = self.clone();
-        media.entered.push(medium);
-        media
+        self.beyond(Crossing::Enter(medium))
     }
 
     /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding makes
@@ -94,23 +122,26 @@ impl MediumStack {
         self.entered.is_empty()
     }
 
-    fn without(&self, sphere: u32) -> Self {
-        let mut media = self.clone();
-        if let Some(index) = media.entered.iter().rposition(|medium| medium.sphere == sphere) {
-            media.entered.remove(index);
-        }
-        media
-    }
-
     /// Returns true if a path is inside this sphere.
     pub fn contains(&self, sphere: u32) -> bool {
-        self.entered.iter().any(|medium| medium.sphere == sphere)
+        self.position(sphere).is_some()
     }
 
-    /// Returns the medium that fills the space; `None` is vacuum. `max_by_key` keeps the last of
-    /// equals.
+    /// Returns the latest entry of a sphere.
+    fn position(&self, sphere: u32) -> Option<usize> {
+        self.entered.iter().rposition(|medium| medium.sphere == sphere)
+    }
+
+    /// Returns the medium that fills the space; `None` is vacuum.
     fn current(&self) -> Option<&Medium> {
-        self.entered.iter().max_by_key(|medium| medium.priority)
+        self.filling(None)
+    }
+
+    /// Returns the medium that would fill the space without one of the entries. `max_by_key` keeps
+    /// the last of equals.
+    fn filling(&self, without: Option<usize>) -> Option<&Medium> {
+        let others = self.entered.iter().enumerate().filter(|&(index, _)| Some(index) != without);
+        others.map(|(_, medium)| medium).max_by_key(|medium| medium.priority)
     }
 }
 
@@ -128,18 +159,21 @@ mod tests {
         let in_glass = MediumStack::VACUUM.with(GLASS);
         let boundary = in_glass.boundary(bubble, true);
         assert_eq!(boundary.eta, Some(1.0 / 1.5));
-        assert_eq!(boundary.transmitted_media.boundary(bubble, false).eta, Some(1.5));
+        assert_eq!(in_glass.beyond(boundary.crossing).boundary(bubble, false).eta, Some(1.5));
     }
 
     #[test]
     fn glass_reaching_into_water_hides_the_waters_boundary() {
         // Through glass, out into the water that overlaps it, and on into the air.
-        let in_glass = MediumStack::VACUUM.boundary(GLASS, true).transmitted_media;
+        let in_glass =
+            MediumStack::VACUUM.beyond(MediumStack::VACUUM.boundary(GLASS, true).crossing);
         let hidden = in_glass.boundary(WATER, true);
         assert_eq!(hidden.eta, None);
-        let leaving_glass = hidden.transmitted_media.boundary(GLASS, false);
+        let in_both = in_glass.beyond(hidden.crossing);
+        let leaving_glass = in_both.boundary(GLASS, false);
         assert_eq!(leaving_glass.eta, Some(1.33 / 1.5));
-        assert_eq!(leaving_glass.transmitted_media.boundary(WATER, false).eta, Some(1.0 / 1.33));
+        let in_water = in_both.beyond(leaving_glass.crossing);
+        assert_eq!(in_water.boundary(WATER, false).eta, Some(1.0 / 1.33));
     }
 
     #[test]
@@ -166,10 +200,10 @@ mod tests {
             let boundary = media.boundary(shell(i), true);
             let outside = if i == 0 { 1.0 } else { shell(i - 1).ior };
             assert_eq!(boundary.eta, Some(shell(i).ior / outside));
-            media = boundary.transmitted_media;
+            media.cross(boundary.crossing);
         }
         for i in (0..100).rev() {
-            media = media.boundary(shell(i), false).transmitted_media;
+            media.cross(media.boundary(shell(i), false).crossing);
         }
         assert!(media.is_vacuum());
     }

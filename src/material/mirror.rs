@@ -18,6 +18,12 @@ impl Mirror {
         Self { reflectance: reflectance.unwrap_or(self.reflectance) }
     }
 
+    /// Returns the mirror direction of `wo`.
+    #[inline(always)]
+    pub fn reflect(wo: DVec3) -> DVec3 {
+        reflect(wo)
+    }
+
     /// Samples the mirror direction; its weight is the reflectance, without cosine or pdf.
     pub(super) fn sample(&self, wo: DVec3) -> BsdfSample {
         BsdfSample {
@@ -31,6 +37,7 @@ impl Mirror {
 }
 
 /// Returns the mirror direction of `wo` about the local z axis.
+#[inline(always)]
 pub(super) fn reflect(wo: DVec3) -> DVec3 {
     DVec3::new(-wo.x, -wo.y, wo.z)
 }

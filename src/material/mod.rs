@@ -31,7 +31,7 @@ pub use energy_compensation::{
 };
 pub use fresnel::fresnel;
 pub use ggx::{Ggx, half_vector};
-pub use medium_stack::{Boundary, Medium, MediumStack};
+pub use medium_stack::{Boundary, Crossing, Medium, MediumStack};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use named_iors::NAMED_IORS;

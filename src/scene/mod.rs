@@ -46,5 +46,6 @@ pub use settings::Settings;
 pub use size::SceneSize;
 pub use source::{ContentHash, FileHash, SceneSource};
 pub use sphere_material::SphereMaterial;
+pub(crate) use sphere_material::Surface;
 
 pub use self::toml::{Override, SceneFile, read_file, read_stream, read_text};

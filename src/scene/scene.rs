@@ -17,7 +17,7 @@ use super::environment;
 use super::import::{ImportPlan, RowGroup, load_tables};
 use super::size::SceneSize;
 use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
-use super::sphere_material::{EmissiveMaterial, NOT_PLAIN, SphereMaterial, build_materials};
+use super::sphere_material::{EmissiveMaterial, SphereMaterial, Surface, build_materials};
 use super::straight_boundaries;
 use super::validation_errors::ValidationErrors;
 
@@ -197,34 +197,26 @@ impl Scene {
 
     /// The material of a sphere.
     pub fn sphere_material(&self, id: u32) -> SphereMaterial<'_> {
-        let row = self.spheres.row(id);
-        let (material, color, emission) = match self.description.spheres.get(row as usize) {
-            Some(sphere) => (&self.materials[sphere.material], None, None),
-            None => {
-                let group = self.group_of(row);
-                let in_table = (row - group.first_row) as usize;
-                let material = &self.materials[group.material];
-                (material, group.color(in_table), group.emission(in_table))
-            }
-        };
+        let Surface { material, color, emission } = self.surface(id);
         let material = EmissiveMaterial::new(material, emission);
         SphereMaterial::new(material, color, || self.spheres.sphere(id).radius)
     }
 
-    /// The material of a sphere, and its own colour if a table gives one. For a sphere with its own
-    /// emission, which a material does not have, returns one that is not diffuse: callers must not
-    /// shade it, and take [`Self::sphere_material`].
+    /// The material of a sphere, and its own colour and emission if a table gives them.
     #[inline(always)]
-    pub(crate) fn material_and_color(&self, id: u32) -> (&Material, Option<Rgb>) {
+    pub(crate) fn surface(&self, id: u32) -> Surface<'_> {
         let row = self.spheres.row(id);
         if let Some(sphere) = self.description.spheres.get(row as usize) {
-            return (&self.materials[sphere.material], None);
+            let material = &self.materials[sphere.material];
+            return Surface { material, color: None, emission: None };
         }
         let group = self.group_of(row);
-        if group.emission.is_some() {
-            return (&NOT_PLAIN, None);
+        let in_table = (row - group.first_row) as usize;
+        Surface {
+            material: &self.materials[group.material],
+            color: group.color(in_table),
+            emission: group.emission(in_table),
         }
-        (&self.materials[group.material], group.color((row - group.first_row) as usize))
     }
 
     /// Prefetches the data of the spheres that were hit, unless all spheres fit into the cache; see

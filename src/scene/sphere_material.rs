@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use crate::color::Rgb;
 use crate::geometry::Side;
-use crate::material::{Boundary, Dielectric, Material, Medium, MediumStack, Mirror, Model};
+use crate::material::{Boundary, Dielectric, Material, Medium, MediumStack, Model};
 use crate::sampling::ln;
 
 use super::description::MaterialDescription;
@@ -51,14 +51,23 @@ impl Deref for EmissiveMaterial<'_> {
     }
 }
 
-/// Stands for the material of a sphere with its own emission where only plain materials are
-/// supported: no diffuse surface, and thus never shaded as one.
-pub(super) static NOT_PLAIN: Material = Material {
-    model: Model::Mirror(Mirror { reflectance: Rgb::ZERO }),
-    emission: Rgb::ZERO,
-    opacity: 1.0,
-    absorption: Rgb::ZERO,
-};
+/// The parts of a [`SphereMaterial`]: only references and what a table gives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'a> {
+    pub(crate) material: &'a Material,
+    /// The sphere's own colour, if a table gives one.
+    pub(crate) color: Option<Rgb>,
+    /// The sphere's own emission, if a table gives one.
+    pub(crate) emission: Option<Rgb>,
+}
+
+impl Surface<'_> {
+    /// Emitted radiance, in W/(sr m^2) per channel.
+    #[inline(always)]
+    pub(crate) fn emission(&self) -> Rgb {
+        self.emission.unwrap_or(self.material.emission)
+    }
+}
 
 impl<'a> SphereMaterial<'a> {
     /// Combines a material with a sphere's own colour. For a pure dielectric, the colour is the

@@ -1,17 +1,19 @@
 //! A batch of samples, and the intersector queries for one edge of all their paths.
 
 use crate::color::{PathRadiance, Rgb, VisibleSurface};
+use crate::geometry::PathRay;
 use crate::material::MediumStack;
-use crate::math::Hit;
+use crate::math::{Hit, Isa};
 use crate::sampling::Sampler;
 
 use super::super::context::RenderContext;
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
+use super::lanes::VertexBatches;
 use super::opacity::ShadowWalk;
 use super::path_tracer::PathTracer;
-use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
+use super::paths::{Path, PathState, PendingDirect, PrevVertex, ShadowQueue, StageQueues};
 
 /// A batch of samples that are estimated together.
 pub(super) struct PathBatch<'a, R> {
@@ -53,30 +55,29 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     }
 
     /// Returns the sampler of a path.
-    pub(super) fn sampler(&self, path: &Path) -> Sampler {
-        self.samplers[path.state.batch_index as usize]
+    pub(super) fn sampler(&self, state: &PathState) -> Sampler {
+        self.samplers[state.batch_index as usize]
     }
 
     /// Returns the previous-vertex record of a path, if its ray was sampled from a density.
-    pub(super) fn prev_vertex(&self, path: &Path) -> Option<&PrevVertex> {
-        path.state.has_prev_vertex.then(|| &self.prev_vertices[path.state.batch_index as usize])
+    pub(super) fn prev_vertex(&self, state: &PathState) -> Option<&PrevVertex> {
+        state.has_prev_vertex.then(|| &self.prev_vertices[state.batch_index as usize])
     }
 
     /// Returns the media that a path is in.
-    pub(super) fn media_of(&self, path: &Path) -> &MediumStack {
+    pub(super) fn media_of(&self, state: &PathState) -> &MediumStack {
         static VACUUM: MediumStack = MediumStack::VACUUM;
-        self.media.get(path.state.batch_index as usize).unwrap_or(&VACUUM)
+        self.media.get(state.batch_index as usize).unwrap_or(&VACUUM)
     }
 
     /// Advances every path by one edge: closest hits, shading, shadow rays. Paths that end are
     /// dropped.
     fn advance(&mut self, workspace: &mut Workspace) {
-        let (use_lanes, isa) = (self.uses_diffuse_batch(), workspace.isa);
-        let constant_radiance = self.constant_environment();
+        let isa = workspace.isa;
         let Workspace {
             path_queue: paths,
-            next_path_queue: next_paths,
-            diffuse_batch,
+            next_path_queue: next,
+            vertex_batches,
             shadow_rays,
             shadow_media,
             rays,
@@ -97,36 +98,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         // Shade: add emission, sample a light, scatter.
         shadow_rays.clear();
         shadow_media.clear();
-        let mut shadow_queue = ShadowQueue { shadow_rays, media: shadow_media };
-        next_paths.clear();
-        for (index, &hit) in hits.iter().enumerate() {
-            if !self.visible_surfaces.is_empty() {
-                self.record_visible_surface(&paths.get(index), hit);
-            }
-            if hit.is_miss() && !paths.rays.is_inward(index) {
-                if let Some(radiance) = constant_radiance {
-                    self.shade_constant_miss(&paths.states[index], radiance);
-                    continue;
-                }
-            }
-            if let Some(diffuse) = self.diffuse_surface(paths, index, hit).filter(|_| use_lanes) {
-                self.enqueue_diffuse(diffuse_batch, paths, index, hit.id, diffuse);
-                if diffuse_batch.is_full() {
-                    self.flush_diffuse(isa, diffuse_batch, paths, next_paths, &mut shadow_queue);
-                }
-                continue;
-            }
-            let mut path = paths.get(index);
-            let continues = match spheres.resolve_hit(&path.ray, hit) {
-                Some(surface) => self.shade_hit(&mut path, surface, &mut shadow_queue),
-                None => self.shade_miss(&mut path),
-            };
-            if continues {
-                next_paths.push(&path);
-            }
-        }
-        self.flush_diffuse(isa, diffuse_batch, paths, next_paths, &mut shadow_queue);
-        std::mem::swap(paths, next_paths);
+        next.clear();
+        let shadow = ShadowQueue { shadow_rays, media: shadow_media };
+        let mut queues = StageQueues { paths, next, shadow };
+        self.shade(isa, vertex_batches, &mut queues, hits);
+        std::mem::swap(paths, next);
 
         // Trace the shadow rays.
         occluded.clear();
@@ -153,6 +129,44 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
+    /// Shades all paths of a stage where they hit or miss.
+    fn shade(
+        &mut self,
+        isa: Isa,
+        batches: &mut VertexBatches,
+        queues: &mut StageQueues<'_>,
+        hits: &[Hit],
+    ) {
+        let use_lanes = self.uses_lanes();
+        let constant_radiance = self.constant_environment();
+        for (index, &hit) in hits.iter().enumerate() {
+            if !self.visible_surfaces.is_empty() {
+                self.record_visible_surface(&queues.paths.get(index), hit);
+            }
+            let escapes = hit.is_miss() && !queues.paths.rays.is_inward(index);
+            match constant_radiance.filter(|_| escapes) {
+                Some(radiance) => self.shade_constant_miss(&queues.paths.states[index], radiance),
+                None if use_lanes && !escapes && self.enqueue(isa, batches, queues, index, hit) => {
+                }
+                None => self.shade_scalar(queues, index, hit),
+            }
+        }
+        self.flush_all(isa, batches, queues);
+    }
+
+    /// Shades a single path.
+    #[inline(never)]
+    pub(super) fn shade_scalar(&mut self, queues: &mut StageQueues<'_>, index: usize, hit: Hit) {
+        let mut path = queues.paths.get(index);
+        let ray = match self.context.scene.spheres().resolve_hit(&path.ray, hit) {
+            Some(surface) => self.shade_hit(&mut path, surface, &mut queues.shadow),
+            None => self.shade_miss(&mut path),
+        };
+        if let Some(ray) = ray {
+            queues.next.push(&Path { ray, state: path.state });
+        }
+    }
+
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
     fn add_direct(&mut self, pending: &PendingDirect, visibility: Rgb) {
@@ -173,14 +187,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         *layer += contribution.radiance;
     }
 
-    /// Terminates a path.
-    pub(super) fn terminate(&mut self, reason: Termination) -> bool {
+    /// Terminates a path: there is no ray on which it continues.
+    pub(super) fn terminate(&mut self, reason: Termination) -> Option<PathRay> {
         self.recorder.record(|| PathEvent::End(reason));
-        false
+        None
     }
 
     /// Terminates a path at the hard length limit.
-    pub(super) fn terminate_at_length_limit(&mut self) -> bool {
+    pub(super) fn terminate_at_length_limit(&mut self) -> Option<PathRay> {
         self.stats.truncated_paths += 1;
         self.terminate(Termination::LengthLimit)
     }

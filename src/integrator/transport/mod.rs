@@ -12,7 +12,7 @@
 
 mod batch;
 mod camera_paths;
-mod diffuse;
+mod lanes;
 mod next_event;
 mod opacity;
 mod path_tracer;
@@ -35,7 +35,7 @@ use super::workspace::Workspace;
 use batch::PathBatch;
 
 pub(super) use camera_paths::CameraRayBatch;
-pub(super) use diffuse::DiffuseBatch;
+pub(super) use lanes::VertexBatches;
 pub(super) use path_tracer::PathTracer;
 pub(super) use paths::{PathQueue, PrevVertex, ShadowRays};
 

@@ -2,109 +2,148 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::{PathRay, SurfaceHit};
-use crate::light::LightSampleContext;
-use crate::material::{Bsdf, MediumStack};
+use crate::geometry::PathRay;
+use crate::light::{LightSample, LightSampleContext};
+use crate::material::{Bsdf, Crossing, MediumStack};
 use crate::math::{DVec3, Frame};
-use crate::scene::Scene;
 
-use super::super::dimension::VertexDimensions;
 use super::super::trace::{PathEvent, PathRecorder};
 use super::batch::PathBatch;
 use super::opacity;
-use super::paths::{Path, PendingDirect, ShadowQueue};
+use super::paths::{PathState, PendingDirect, ShadowQueue};
 use super::weight::light_weight;
 
-impl ShadowQueue<'_> {
-    /// Adds a shadow ray and the media it starts in.
-    pub(super) fn push(
-        &mut self,
-        scene: &Scene,
-        direct: Option<(PathRay, PendingDirect, &MediumStack)>,
-    ) {
-        let Some((ray, pending, media)) = direct else { return };
-        self.shadow_rays.push(&ray, pending);
-        if scene.has_passable_surfaces() {
-            self.media.push(media.clone());
-        }
-    }
+/// What a light sample is multiplied by: the light's BSDF value `f`, and the cosine and MIS weight
+/// over the pdf.
+#[derive(Clone, Copy)]
+pub(super) struct LightFactors {
+    pub(super) f: Rgb,
+    pub(super) mis_factor: f32,
+}
 
-    /// Adds a shadow ray that starts outside of all media.
-    #[inline(always)]
-    pub(super) fn push_from_vacuum(
-        &mut self,
-        scene: &Scene,
-        ray: &PathRay,
-        pending: PendingDirect,
-    ) {
-        self.shadow_rays.push(ray, pending);
-        if scene.has_passable_surfaces() {
-            self.media.push(MediumStack::VACUUM);
-        }
-    }
+/// How a vertex scatters light.
+#[derive(Clone, Copy)]
+pub(super) struct Scattering<'a> {
+    pub(super) ctx: &'a LightSampleContext,
+    pub(super) bsdf: &'a Bsdf<'a>,
+    pub(super) frame: &'a Frame,
+    /// Local direction to the previous vertex.
+    pub(super) wo: DVec3,
+    /// What a path does that goes through the surface, if the media differ on both sides.
+    pub(super) crossing: Option<Crossing>,
+}
+
+/// A shadow ray, the radiance that arrives along it if unoccluded, and the fraction of it that the
+/// medium transmits.
+struct ArrivingLight {
+    ray: PathRay,
+    radiance: Rgb,
+    transmittance: Rgb,
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Samples a light and returns the shadow ray towards it, if it can contribute, and the media
-    /// that ray starts in. `transmitted_media` are those on the other side of the surface, if they
-    /// differ.
-    pub(super) fn sample_light<'p>(
-        &'p mut self,
-        path: &Path,
-        ctx: &LightSampleContext,
-        bsdf: &Bsdf<'_>,
-        frame: &Frame,
-        wo: DVec3,
-        transmitted_media: Option<&'p MediumStack>,
-    ) -> Option<(PathRay, PendingDirect, &'p MediumStack)> {
-        let vertex = VertexDimensions::at(path.state.depth);
-        let sampler = self.sampler(path);
-        let u = sampler.get_2d(vertex.light_direction());
-        let scene = self.context.scene;
-        let lights = self.context.prepared.lights();
-        let has_choice = lights.needs_selection();
-        let u_select = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
-        let mut light = lights.sample(scene.spheres(), ctx, u_select, u)?;
-        let wi = frame.to_local(light.direction);
+    /// Adds the shadow ray of a light sample to the queue, if it can contribute.
+    pub(super) fn add_light_sample(
+        &mut self,
+        state: &PathState,
+        scattering: &Scattering<'_>,
+        mut sample: LightSample,
+        shadow_queue: &mut ShadowQueue<'_>,
+    ) {
+        let Scattering { ctx, bsdf, frame, wo, crossing } = *scattering;
+        let wi = frame.to_local(sample.direction);
         let f = bsdf.eval(wo, wi);
         if f.max_element() <= 0.0 {
-            return None;
+            return;
         }
-        let transmitted = transmitted_media.filter(|_| wi.z < 0.0);
-        let media = transmitted.unwrap_or_else(|| self.media_of(path));
-        let spawn = match scene.has_passable_surfaces() {
-            true => SurfaceHit::spawn_ray_to,
-            false => SurfaceHit::spawn_shadow_ray,
-        };
-        let ray = spawn(&ctx.hit, light.direction, light.distance, light.source.sphere_id())?;
-        light.radiance = opacity::emitter_radiance(scene, &light, ctx, media);
-        // A shadow ray that may enter other media multiplies by their transmittances itself.
-        let transmittance = match scene.has_media() && !scene.has_straight_boundaries() {
-            true => media.transmittance(light.distance),
-            false => Rgb::ONE,
-        };
-        let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z.abs() };
+        let crossing = crossing.filter(|_| wi.z < 0.0);
+        let Some(arriving) = self.arriving_light(state, ctx, &sample, crossing) else { return };
+        sample.radiance = arriving.radiance;
+        let transmittance = arriving.transmittance;
         let pdf_bsdf = bsdf.pdf(wo, wi);
-        let weight = light_weight(self.integrator.estimator, light.is_exact, light.pdf, pdf_bsdf);
+        let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z.abs() };
+        let estimator = self.integrator.estimator;
+        let weight = light_weight(estimator, sample.is_exact, sample.pdf, pdf_bsdf);
         self.recorder.record(|| PathEvent::LightSample {
-            sample: light,
+            sample,
             transmittance,
             f,
             cos,
             pdf_bsdf,
             weight,
         });
-        let radiance = light.radiance * transmittance;
-        let light = path.state.throughput * f * radiance * (weight * cos / light.pdf) as f32;
-        if light == Rgb::ZERO {
-            return None;
+        let factors = LightFactors { f, mis_factor: (weight * cos / sample.pdf) as f32 };
+        self.push_shadow_ray(state, arriving, factors, crossing, shadow_queue);
+    }
+
+    /// Adds the shadow ray of a light sample with its factors to the queue, if it can contribute.
+    #[inline(always)]
+    pub(super) fn push_light_sample(
+        &mut self,
+        state: &PathState,
+        ctx: &LightSampleContext,
+        sample: &LightSample,
+        factors: LightFactors,
+        crossing: Option<Crossing>,
+        shadow_queue: &mut ShadowQueue<'_>,
+    ) {
+        if let Some(arriving) = self.arriving_light(state, ctx, sample, crossing) {
+            self.push_shadow_ray(state, arriving, factors, crossing, shadow_queue);
         }
-        let is_direct = path.state.is_light_sample_direct();
-        let media = transmitted.unwrap_or_else(|| self.media_of(path));
-        Some((
-            ray,
-            PendingDirect { batch_index: path.state.batch_index, radiance: light, is_direct },
-            media,
-        ))
+    }
+
+    /// Spawns the shadow ray of a light sample; `None` if the surface itself is in the way.
+    #[inline(always)]
+    fn arriving_light(
+        &self,
+        state: &PathState,
+        ctx: &LightSampleContext,
+        sample: &LightSample,
+        crossing: Option<Crossing>,
+    ) -> Option<ArrivingLight> {
+        let scene = self.context.scene;
+        let LightSample { source, direction, distance, radiance, .. } = *sample;
+        let ray = match scene.has_passable_surfaces() {
+            true => ctx.hit.spawn_ray_to(direction, distance, source.sphere_id()),
+            false => ctx.hit.spawn_shadow_ray(direction, distance, source.sphere_id()),
+        }?;
+        if !scene.has_media() && !scene.has_opacity() {
+            return Some(ArrivingLight { ray, radiance, transmittance: Rgb::ONE });
+        }
+        let beyond = crossing.map(|crossing| self.media_of(state).beyond(crossing));
+        let media = beyond.as_ref().unwrap_or_else(|| self.media_of(state));
+        // A shadow ray that may enter other media multiplies by their transmittances itself.
+        let transmittance = match scene.has_straight_boundaries() {
+            true => Rgb::ONE,
+            false => media.transmittance(distance),
+        };
+        let radiance = opacity::emitter_radiance(scene, (source, radiance), ctx, media);
+        Some(ArrivingLight { ray, radiance, transmittance })
+    }
+
+    #[inline(always)]
+    fn push_shadow_ray(
+        &mut self,
+        state: &PathState,
+        arriving: ArrivingLight,
+        LightFactors { f, mis_factor }: LightFactors,
+        crossing: Option<Crossing>,
+        shadow_queue: &mut ShadowQueue<'_>,
+    ) {
+        let ArrivingLight { ray, radiance, transmittance } = arriving;
+        let radiance = state.throughput * f * (radiance * transmittance) * mis_factor;
+        if radiance == Rgb::ZERO {
+            return;
+        }
+        let is_direct = state.is_light_sample_direct();
+        let pending = PendingDirect { batch_index: state.batch_index, radiance, is_direct };
+        shadow_queue.shadow_rays.push(&ray, pending);
+        if self.context.scene.has_passable_surfaces() {
+            let media = self.media_of(state);
+            shadow_queue.media.push(match crossing {
+                Some(crossing) => media.beyond(crossing),
+                None => MediumStack::clone(media),
+            });
+        }
     }
 }

@@ -15,7 +15,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::{LightSample, LightSampleContext, LightSource};
+use crate::light::{LightSampleContext, LightSource};
 use crate::material::MediumStack;
 use crate::math::{Hit, Ray};
 use crate::sampling::Sampler;
@@ -24,12 +24,12 @@ use crate::scene::Scene;
 use super::super::context::RenderContext;
 use super::super::dimension;
 use super::super::sample::RenderStats;
-use super::paths::{MAX_PATH_EDGES, Path, PrevVertex, ShadowRays};
+use super::paths::{MAX_PATH_EDGES, PathState, PrevVertex, ShadowRays};
 
 /// Makes the random opacity test of a path at a surface. Returns false if the path passes straight
 /// through.
-pub(super) fn passes_opacity_test(path: &Path, sampler: Sampler, opacity: f32) -> bool {
-    sampler.get(dimension::opacity(path.state.depth, path.state.passthroughs)) < f64::from(opacity)
+pub(super) fn passes_opacity_test(state: &PathState, sampler: Sampler, opacity: f32) -> bool {
+    sampler.get(dimension::opacity(state.depth, state.passthroughs)) < f64::from(opacity)
 }
 
 /// Returns true if a path hits the far wall of an emitter after passing through its near wall.
@@ -135,7 +135,7 @@ impl ShadowWalk<'_> {
         if !surface.is_straight(&boundary) {
             return 0.0;
         }
-        *media = boundary.transmitted_media;
+        media.cross(boundary.crossing);
         1.0
     }
 }
@@ -145,17 +145,17 @@ impl ShadowWalk<'_> {
 /// path has entered it.
 pub(super) fn emitter_radiance(
     scene: &Scene,
-    light: &LightSample,
+    (source, radiance): (LightSource, Rgb),
     ctx: &LightSampleContext,
     media: &MediumStack,
 ) -> Rgb {
-    match light.source {
+    match source {
         LightSource::Emitter(id)
             if scene.has_opacity() && ctx.is_inside(id, &scene.spheres().sphere(id)) =>
         {
             let surface = scene.sphere_material(id);
             surface.material.emission * surface.opacity(id, Side::Inside, media)
         }
-        _ => light.radiance,
+        _ => radiance,
     }
 }

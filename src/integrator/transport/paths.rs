@@ -79,6 +79,13 @@ pub(super) struct ShadowQueue<'w> {
     pub(super) media: &'w mut Vec<MediumStack>,
 }
 
+/// The queues of a stage.
+pub(super) struct StageQueues<'w> {
+    pub(super) paths: &'w mut PathQueue,
+    pub(super) next: &'w mut PathQueue,
+    pub(super) shadow: ShadowQueue<'w>,
+}
+
 impl PathState {
     /// A path that starts at the camera.
     pub(super) fn new(sample: u32) -> Self {

@@ -2,16 +2,16 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::{Side, SurfaceHit};
+use crate::geometry::{PathRay, Side, SurfaceHit};
 use crate::light::LightSampleContext;
-use crate::material::{Boundary, BsdfSample, Lobe, MediumStack};
-use crate::math::{DVec3, renormalize};
+use crate::material::{Boundary, BsdfSample, Crossing, Lobe};
+use crate::math::DVec3;
 use crate::scene::settings::PathTermination;
 
-use super::super::dimension::VertexDimensions;
 use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex};
+use super::shade::VertexNumbers;
 
 /// Paths with fewer edges are never terminated by roulette.
 const ROULETTE_MIN_DEPTH: u32 = 4;
@@ -37,12 +37,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         hit: &SurfaceHit,
         boundary: &Boundary,
         is_passable: bool,
-    ) -> bool {
+    ) -> Option<PathRay> {
         self.recorder.record(|| match boundary.eta {
             None => PathEvent::HiddenBoundary,
             Some(_) => PathEvent::MatchedBoundary,
         });
-        self.set_media(path, Some(&boundary.transmitted_media));
+        self.cross(&path.state, Some(boundary.crossing));
         if !is_passable || fault!(MisRecordLost) {
             path.state.has_prev_vertex = false;
         }
@@ -50,29 +50,32 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     }
 
     /// Continues behind a surface that failed the opacity test.
-    pub(super) fn pass_transparent(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+    pub(super) fn pass_transparent(
+        &mut self,
+        path: &mut Path,
+        hit: &SurfaceHit,
+    ) -> Option<PathRay> {
         self.recorder.record(|| PathEvent::Transparent);
         self.continue_straight(path, hit)
     }
 
     /// Continues in the same direction on the other side of a surface.
-    fn continue_straight(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+    fn continue_straight(&mut self, path: &mut Path, hit: &SurfaceHit) -> Option<PathRay> {
         path.state.passthroughs += 1;
         if path.state.passthroughs >= MAX_PATH_EDGES {
             return self.terminate_at_length_limit();
         }
-        let Some(ray) = hit.spawn_ray(path.ray.direction) else {
-            return self.terminate(Termination::Grazing);
-        };
-        path.ray = ray;
-        true
+        match hit.spawn_ray(path.ray.direction) {
+            Some(ray) => Some(ray),
+            None => self.terminate(Termination::Grazing),
+        }
     }
 
     /// Counts a total reflection from inside a medium, and returns true if the path is known to be
     /// trapped by it.
     pub(super) fn is_trapped(
         &self,
-        path: &mut Path,
+        state: &mut PathState,
         hit: &SurfaceHit,
         sample: &BsdfSample,
         eta: f64,
@@ -82,56 +85,66 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let is_reflected =
             is_inside && eta < 1.0 && sample.lobe == Lobe::Delta && sample.wi.z > 0.0;
         if !is_reflected || sample.pdf < 1.0 {
-            path.state.total_reflections = 0;
+            state.total_reflections = 0;
             return false;
         }
-        path.state.total_reflections += 1;
+        state.total_reflections += 1;
         self.context.prepared.is_light_trapped(hit.id, hit.point, direction)
     }
 
-    /// Continues the path in the sampled direction. Returns true if the path continues.
+    /// Continues the path in the sampled direction `wi`. Returns the ray on which it continues.
+    #[inline(always)]
     pub(super) fn scatter(
         &mut self,
-        path: &mut Path,
+        state: &mut PathState,
         from: &LightSampleContext,
         sample: &BsdfSample,
-        direction: DVec3,
-        transmitted_media: Option<&MediumStack>,
-    ) -> bool {
+        wi: DVec3,
+        crossing: Option<Crossing>,
+        numbers: &impl VertexNumbers,
+    ) -> Option<PathRay> {
         let BsdfSample { lobe, pdf, weight, eta, .. } = *sample;
-        let wi = renormalize(direction);
-        path.state.throughput *= weight;
-        let throughput = path.state.throughput;
+        state.throughput *= weight;
+        let throughput = state.throughput;
         self.recorder.record(|| PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput });
         let Some(ray) = from.hit.spawn_ray(wi) else { return self.terminate(Termination::Grazing) };
-        path.ray = ray;
-        path.state.eta_scale *= (eta * eta) as f32;
-        path.state.has_prev_vertex = lobe != Lobe::Delta;
-        if path.state.has_prev_vertex {
-            self.prev_vertices[path.state.batch_index as usize] = PrevVertex::new(from, pdf);
-            path.state.scatter_count += 1;
+        state.eta_scale *= (eta * eta) as f32;
+        state.has_prev_vertex = lobe != Lobe::Delta;
+        if state.has_prev_vertex {
+            self.prev_vertices[state.batch_index as usize] = PrevVertex::new(from, pdf);
+            state.scatter_count += 1;
         }
         if sample.wi.z < 0.0 {
-            self.set_media(path, transmitted_media);
+            self.cross(state, crossing);
         }
-        self.survives(&mut path.state)
+        let survives = self.survives(state, || numbers.roulette());
+        state.depth += 1;
+        survives.then_some(ray)
     }
 
-    /// Applies Russian roulette and its throughput compensation. Returns true if the path
-    /// continues.
+    /// Returns true if Russian roulette may end a path after an edge.
+    pub(super) fn is_roulette_due(&self, depth: u32) -> bool {
+        matches!(self.integrator.stop, PathTermination::Roulette) && depth >= ROULETTE_MIN_DEPTH
+    }
+
+    /// Applies Russian roulette, by `u` in `[0, 1)`, and its throughput compensation. Returns true
+    /// if the path continues.
     #[inline(always)]
-    pub(super) fn survives(&mut self, state: &mut PathState) -> bool {
+    pub(super) fn survives(&mut self, state: &mut PathState, u: impl FnOnce() -> f64) -> bool {
         let brightest = state.throughput.max_element();
         let continues = match self.integrator.stop {
-            PathTermination::Roulette if state.depth >= ROULETTE_MIN_DEPTH => {
-                let survivor = self.russian_roulette(*state);
+            PathTermination::Roulette if self.is_roulette_due(state.depth) => {
+                let survivor = self.russian_roulette(*state, u);
                 state.throughput = survivor.unwrap_or(Rgb::ZERO);
                 survivor.is_some()
             }
             PathTermination::Roulette | PathTermination::Depth => brightest > 0.0,
             PathTermination::Threshold(threshold) => f64::from(brightest) >= threshold,
         };
-        continues || self.terminate(Termination::LowThroughput)
+        if !continues {
+            self.terminate(Termination::LowThroughput);
+        }
+        continues
     }
 
     /// Russian roulette. Returns the throughput of a surviving path, `None` if it is terminated.
@@ -143,25 +156,22 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// and the square of a path's contribution grows by at most the factor `1 / w`, from `w^2` to
     /// `w`: the variance stays bounded. Terminating long paths with a fixed probability, as is
     /// often done, breaks this: weights would grow without limit in a room of albedo near 1.
-    fn russian_roulette(&mut self, state: PathState) -> Option<Rgb> {
+    fn russian_roulette(&mut self, state: PathState, u: impl FnOnce() -> f64) -> Option<Rgb> {
         let weight = state.throughput.max_element() * state.eta_scale;
         let survival = weight.min(1.0) * total_reflection_survival(state.total_reflections);
         let survival_pdf = if fault!(RouletteUncompensated) { 1.0 } else { survival };
         let throughput = state.throughput / survival_pdf.max(f32::MIN_POSITIVE);
-        let u = || {
-            self.samplers[state.batch_index as usize]
-                .get(VertexDimensions::at(state.depth).roulette())
-        };
         let survives = survival >= 1.0 || u() < f64::from(survival);
         self.recorder.record(|| PathEvent::Roulette { survival, survives, throughput });
         survives.then_some(throughput)
     }
 
-    /// Switches to the media beyond a boundary, if they differ.
-    fn set_media(&mut self, path: &Path, transmitted_media: Option<&MediumStack>) {
-        let Some(media) = transmitted_media else { return };
-        if let Some(current) = self.media.get_mut(path.state.batch_index as usize) {
-            current.clone_from(media);
+    /// Takes a path to the other side of a boundary, if its media differ there.
+    pub(super) fn cross(&mut self, state: &PathState, crossing: Option<Crossing>) {
+        if let Some(crossing) = crossing {
+            if let Some(media) = self.media.get_mut(state.batch_index as usize) {
+                media.cross(crossing);
+            }
         }
     }
 }

@@ -2,27 +2,84 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::{Side, SurfaceHit};
-use crate::light::{LightSampleContext, LightSource};
-use crate::material::{Lobe, MediumStack};
-use crate::math::Frame;
-use crate::sampling::power_heuristic;
+use crate::geometry::{PathRay, Side, SurfaceHit};
+use crate::light::{LightSample, LightSampleContext, LightSource};
+use crate::material::{Crossing, Lobe};
+use crate::math::{DVec3, Frame, renormalize};
+use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::SphereMaterial;
 use crate::scene::settings::{Estimator, MissPolicy};
 
+use super::super::context::RenderContext;
 use super::super::dimension::{VertexDimensions, bsdf_extra};
 use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
+use super::next_event::Scattering;
 use super::opacity;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
 
+/// A path's vertex on a surface.
+pub(super) struct Vertex<'a> {
+    pub(super) hit: SurfaceHit,
+    /// Unit direction to the previous vertex.
+    pub(super) wo: DVec3,
+    pub(super) surface: SphereMaterial<'a>,
+    /// Index of refraction beyond the surface over the index on this side.
+    pub(super) eta: f64,
+    /// What a path does that goes through, if the media differ on both sides.
+    pub(super) crossing: Option<Crossing>,
+}
+
+/// The random numbers of a vertex.
+pub(super) trait VertexNumbers {
+    /// Samples a light.
+    fn sample_light(
+        &self,
+        context: RenderContext<'_>,
+        ctx: &LightSampleContext,
+    ) -> Option<LightSample>;
+    /// Two numbers for the BSDF's direction.
+    fn direction(&self) -> [f64; 2];
+    /// For the selection of the BSDF's lobe.
+    fn lobe(&self) -> f64;
+    /// For Russian roulette.
+    fn roulette(&self) -> f64;
+}
+
+impl VertexNumbers for (Sampler, VertexDimensions) {
+    fn sample_light(
+        &self,
+        context: RenderContext<'_>,
+        ctx: &LightSampleContext,
+    ) -> Option<LightSample> {
+        let (sampler, vertex) = *self;
+        let lights = context.prepared.lights();
+        let u = sampler.get_2d(vertex.light_direction());
+        let has_choice = lights.needs_selection();
+        let u_select = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
+        lights.sample(context.scene.spheres(), ctx, u_select, u)
+    }
+
+    fn direction(&self) -> [f64; 2] {
+        self.0.get_2d(self.1.bsdf_direction())
+    }
+
+    fn lobe(&self) -> f64 {
+        self.0.get(self.1.lobe())
+    }
+
+    fn roulette(&self) -> f64 {
+        self.0.get(self.1.roulette())
+    }
+}
+
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Shades a path that misses: adds the environment's radiance. Returns true if the path
-    /// continues.
-    pub(super) fn shade_miss(&mut self, path: &mut Path) -> bool {
+    /// Shades a path that misses: adds the environment's radiance. Returns the ray on which it
+    /// continues, if a camera ray is redrawn.
+    pub(super) fn shade_miss(&mut self, path: &mut Path) -> Option<PathRay> {
         self.record_miss(path);
         if self.retry_camera_ray(path) {
-            return true;
+            return Some(path.ray);
         }
         let (scene, direction) = (self.context.scene, path.ray.direction);
         let radiance = if path.state.depth == 1 {
@@ -36,7 +93,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         };
         let is_dropped = path.state.depth > 1 && fault!(BackgroundCameraOnly);
         let radiance = if is_dropped { Rgb::ZERO } else { radiance };
-        self.add_emission(path, LightSource::Environment, radiance);
+        self.add_emission(&path.state, direction, LightSource::Environment, radiance);
         self.terminate(Termination::Escaped)
     }
 
@@ -75,53 +132,68 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.radiance[state.batch_index as usize].alpha = 1.0 - state.throughput.max_element();
     }
 
-    /// Shades a path that hits a surface. Returns true if the path continues.
+    /// Shades a path that hits a surface. Returns the ray on which it continues.
     pub(super) fn shade_hit(
         &mut self,
         path: &mut Path,
         hit: SurfaceHit,
         shadow_queue: &mut ShadowQueue<'_>,
-    ) -> bool {
+    ) -> Option<PathRay> {
         let scene = self.context.scene;
         let transmittance = match scene.has_media() {
-            true => self.media_of(path).transmittance(hit.t - path.ray.t_min),
+            true => self.media_of(&path.state).transmittance(hit.t - path.ray.t_min),
             false => Rgb::ONE,
         };
         path.state.throughput *= transmittance;
         let PathState { depth, throughput, .. } = path.state;
         let surface = scene.sphere_material(hit.id);
-        let opacity = surface.opacity(hit.id, hit.side, self.media_of(path));
+        let opacity = surface.opacity(hit.id, hit.side, self.media_of(&path.state));
         let wo = -path.ray.direction;
         let hit_event = || PathEvent::Hit { depth, hit, wo, opacity, transmittance, throughput };
         self.recorder.record(hit_event);
         if surface.material.is_emissive() {
-            let is_far = opacity::is_far_wall(scene, self.prev_vertex(path), &hit);
+            let is_far = opacity::is_far_wall(scene, self.prev_vertex(&path.state), &hit);
             let wall = if is_far { LightSource::FarWall } else { LightSource::Emitter };
             let radiance = surface.material.emission * opacity;
-            self.add_emission(path, wall(hit.id), radiance);
+            self.add_emission(&path.state, path.ray.direction, wall(hit.id), radiance);
         }
-        if opacity < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), opacity) {
+        let is_absent =
+            || !opacity::passes_opacity_test(&path.state, self.sampler(&path.state), opacity);
+        if opacity < 1.0 && is_absent() {
             return self.pass_transparent(path, &hit);
         }
 
         // Pass a dielectric boundary that is hidden in another dielectric or matches its index.
         let entering = hit.side == Side::Outside;
-        let boundary = surface.medium(hit.id).map(|m| self.media_of(path).boundary(m, entering));
-        let transmitted_media = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
-        if let Some(boundary) = boundary.as_ref().filter(|boundary| surface.is_straight(boundary)) {
+        let media = self.media_of(&path.state);
+        let boundary = surface.medium(hit.id).map(|medium| media.boundary(medium, entering));
+        let crossing = boundary.map(|boundary| boundary.crossing);
+        if let Some(boundary) = boundary.filter(|boundary| surface.is_straight(boundary)) {
             let is_passable = scene.has_straight_boundaries() && opacity >= 1.0;
-            return self.pass_boundary(path, &hit, boundary, is_passable);
+            return self.pass_boundary(path, &hit, &boundary, is_passable);
         }
-        let eta = boundary.as_ref().and_then(|boundary| boundary.eta).unwrap_or(1.0);
+        let eta = boundary.and_then(|boundary| boundary.eta).unwrap_or(1.0);
 
-        // Is another edge allowed?
-        if self.is_at_max_depth(&path.state) {
-            return self.terminate(Termination::MaxDepth);
+        if self.is_at_last_edge(&path.state) {
+            return None;
         }
-        if depth >= MAX_PATH_EDGES {
-            return self.terminate_at_length_limit();
+        let vertex = Vertex { hit, wo, surface, eta, crossing };
+        let numbers = (self.sampler(&path.state), VertexDimensions::at(depth));
+        self.sample_light_and_bsdf(&mut path.state, &vertex, &numbers, shadow_queue)
+    }
+
+    /// Returns true if no further edge is allowed, and terminates the path.
+    #[inline(always)]
+    pub(super) fn is_at_last_edge(&mut self, state: &PathState) -> bool {
+        if self.is_at_max_depth(state) {
+            self.terminate(Termination::MaxDepth);
+            return true;
         }
-        self.sample_light_and_bsdf(path, &hit, &surface, eta, transmitted_media, shadow_queue)
+        if state.depth >= MAX_PATH_EDGES {
+            self.terminate_at_length_limit();
+            return true;
+        }
+        false
     }
 
     /// Returns true if a path has reached `max_depth`.
@@ -129,17 +201,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         state.depth - u32::from(fault!(DepthOffByOne)) >= self.integrator.max_depth
     }
 
-    /// Samples a light, then the BSDF. Returns true if the path continues.
+    /// Samples a light, then the BSDF. Returns the ray on which the path continues.
     pub(super) fn sample_light_and_bsdf(
         &mut self,
-        path: &mut Path,
-        hit: &SurfaceHit,
-        surface: &SphereMaterial<'_>,
-        eta: f64,
-        transmitted_media: Option<&MediumStack>,
+        state: &mut PathState,
+        vertex: &Vertex<'_>,
+        numbers: &impl VertexNumbers,
         shadow_queue: &mut ShadowQueue<'_>,
-    ) -> bool {
-        let scene = self.context.scene;
+    ) -> Option<PathRay> {
+        let Vertex { ref hit, ref surface, eta, crossing, .. } = *vertex;
         let bsdf = surface.material.bsdf(surface.albedo, eta, self.integrator.hemisphere);
         let ctx = LightSampleContext {
             hit: *hit,
@@ -147,18 +217,20 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             is_lambertian: bsdf.is_lambertian(),
         };
         let frame = Frame::from_z(hit.facing_normal());
-        let wo = frame.to_local(-path.ray.direction);
-        let may_scatter = path.state.scatter_count < self.integrator.max_scatterings;
-        if self.integrator.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
-            let direct = self.sample_light(path, &ctx, &bsdf, &frame, wo, transmitted_media);
-            shadow_queue.push(scene, direct);
+        let wo = frame.to_local(vertex.wo);
+        let may_scatter = self.may_scatter(state);
+        if self.samples_lights() && may_scatter && !bsdf.is_delta() {
+            let light = numbers.sample_light(self.context, &ctx);
+            let scattering = Scattering { ctx: &ctx, bsdf: &bsdf, frame: &frame, wo, crossing };
+            if let Some(light) = light {
+                self.add_light_sample(state, &scattering, light, shadow_queue);
+            }
         }
-        let vertex = VertexDimensions::at(path.state.depth);
-        let sampler = self.sampler(path);
-        let u = sampler.get_2d(vertex.bsdf_direction());
+        let u = numbers.direction();
         let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
-        let lobe = if bsdf.needs_lobe_sample() { sampler.get(vertex.lobe()) } else { 0.0 };
-        let extra_u = || sampler.get_2d(bsdf_extra(path.state.depth));
+        let lobe = if bsdf.needs_lobe_sample() { numbers.lobe() } else { 0.0 };
+        let (sampler, depth) = (self.sampler(state), state.depth);
+        let extra_u = || sampler.get_2d(bsdf_extra(depth));
         let Some(sample) = bsdf.sample(wo, lobe, u, &extra_u) else {
             return self.terminate(Termination::Absorbed);
         };
@@ -166,22 +238,36 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return self.terminate(Termination::DirectOnly);
         }
         let direction = frame.to_world(sample.wi);
-        if self.is_trapped(path, hit, &sample, eta, direction) {
+        if self.is_trapped(state, hit, &sample, eta, direction) {
             return self.terminate(Termination::Trapped);
         }
-        let continues = self.scatter(path, &ctx, &sample, direction, transmitted_media);
-        path.state.depth += 1;
-        continues
+        self.scatter(state, &ctx, &sample, renormalize(direction), crossing, numbers)
+    }
+
+    /// Returns true if paths sample lights.
+    pub(super) fn samples_lights(&self) -> bool {
+        self.integrator.estimator != Estimator::Bsdf
+    }
+
+    /// Returns true if a path may be scattered in more than one direction once more.
+    pub(super) fn may_scatter(&self, state: &PathState) -> bool {
+        state.scatter_count < self.integrator.max_scatterings
     }
 
     /// Adds emission found by BSDF sampling, with its MIS weight if light sampling could have found
     /// it.
-    pub(super) fn add_emission(&mut self, path: &Path, source: LightSource, radiance: Rgb) {
+    pub(super) fn add_emission(
+        &mut self,
+        state: &PathState,
+        direction: DVec3,
+        source: LightSource,
+        radiance: Rgb,
+    ) {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
-        let prev = self.prev_vertex(path);
-        let pdf_light = prev.map_or(0.0, |prev| self.pdf_light(path, prev, source));
+        let prev = self.prev_vertex(state);
+        let pdf_light = prev.map_or(0.0, |prev| self.pdf_light(direction, prev, source));
         let pdf = prev.map(|prev| prev.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
@@ -193,9 +279,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
         };
-        let contribution = self
-            .clamp_contribution(path.state.throughput * radiance * weight, path.state.is_direct());
-        self.add_contribution(path.state.batch_index, contribution);
+        let contribution =
+            self.clamp_contribution(state.throughput * radiance * weight, state.is_direct());
+        self.add_contribution(state.batch_index, contribution);
         self.recorder.record(|| PathEvent::Emission {
             source,
             radiance,
@@ -214,7 +300,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     }
 
     /// Returns the pdf with which light sampling would have sampled the path's current direction.
-    fn pdf_light(&self, path: &Path, prev: &PrevVertex, source: LightSource) -> f64 {
+    fn pdf_light(&self, direction: DVec3, prev: &PrevVertex, source: LightSource) -> f64 {
         if self.integrator.estimator == Estimator::Bsdf {
             return 0.0;
         }
@@ -223,7 +309,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             scene.spheres(),
             &prev.light_sample_context(scene.spheres()),
             source,
-            path.ray.direction,
+            direction,
         )
     }
 }

@@ -22,11 +22,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let scene = self.context.scene;
         let Some(hit) = scene.spheres().resolve_hit(&path.ray, hit) else { return };
         let surface = scene.sphere_material(hit.id);
-        let media = self.media_of(path);
+        let media = self.media_of(&path.state);
         let opacity = surface.opacity(hit.id, hit.side, media);
         let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
         let emission = throughput * (surface.material.emission * opacity);
-        let is_seen = opacity::passes_opacity_test(path, self.sampler(path), opacity)
+        let is_seen = opacity::passes_opacity_test(&path.state, self.sampler(&path.state), opacity)
             && !self.is_straight_boundary(path, &hit);
         let record = &mut self.visible_surfaces[path.state.batch_index as usize];
         aov::add_emission(record, emission);
@@ -49,7 +49,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     fn is_straight_boundary(&self, path: &Path, hit: &SurfaceHit) -> bool {
         let surface = self.context.scene.sphere_material(hit.id);
         let entering = hit.side == Side::Outside;
-        let media = self.media_of(path);
+        let media = self.media_of(&path.state);
         let boundary = surface.medium(hit.id).map(|medium| media.boundary(medium, entering));
         boundary.is_some_and(|boundary| surface.is_straight(&boundary))
     }

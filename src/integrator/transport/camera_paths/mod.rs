@@ -72,7 +72,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         path.state.redraws += 1;
         let first = dimension::camera_retry(path.state.redraws);
         let address = self.samples[path.state.batch_index as usize];
-        path.ray = self.camera_ray(address, self.sampler(path), [first, first + 2]);
+        path.ray = self.camera_ray(address, self.sampler(&path.state), [first, first + 2]);
         path.state.throughput = Rgb::ONE;
         self.begin_camera_path(path);
         true

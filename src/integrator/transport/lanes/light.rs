@@ -1,0 +1,63 @@
+//! Light samples in lanes.
+
+use crate::light::{LightSample, LightSampleContext};
+use crate::math::Isa;
+
+use super::super::super::context::RenderContext;
+use super::super::super::trace::PathRecorder;
+use super::super::batch::PathBatch;
+use super::VertexKind;
+use super::kernels::SampleSingleEmitter;
+use super::vertex_batch::VertexBatch;
+
+impl<R: PathRecorder> PathBatch<'_, R> {
+    /// Samples a light for every lane. Lanes of other kinds than Lambertian ones may be left
+    /// missing.
+    pub(super) fn sample_lights(&self, isa: Isa, kind: VertexKind, batch: &mut VertexBatch) {
+        let lights = self.context.prepared.lights();
+        let Some(&emitter) = lights.single_emitter().filter(|emitter| emitter.transmittance == 0.0)
+        else {
+            batch.light.is_missing.0.fill(true);
+            return self.sample_missing_lights(kind, batch);
+        };
+        let sphere = self.context.scene.spheres().sphere(emitter.id);
+        let cut = lights.single_emitter_cut();
+        match kind {
+            VertexKind::Diffuse => {
+                isa.run(SampleSingleEmitter::<'_, true> { batch, emitter, sphere, cut });
+            }
+            _ => isa.run(SampleSingleEmitter::<'_, false> { batch, emitter, sphere, cut }),
+        }
+        for lane in 0..batch.count {
+            batch.light.is_missing.0[lane] |= batch.vertices[lane].id == emitter.id;
+        }
+        self.sample_missing_lights(kind, batch);
+    }
+
+    /// Samples a light for each lane that has none yet.
+    fn sample_missing_lights(&self, kind: VertexKind, batch: &mut VertexBatch) {
+        if kind != VertexKind::Diffuse {
+            return;
+        }
+        for lane in 0..batch.count {
+            if batch.light.is_missing.0[lane] {
+                let hit = batch.hit(lane);
+                let ctx = LightSampleContext { hit, is_two_sided: false, is_lambertian: true };
+                let sample = sample_light_in_lane(self.context, &ctx, batch, lane);
+                batch.light.set(lane, sample);
+            }
+        }
+    }
+}
+
+/// Samples a light with the random numbers of a lane.
+pub(super) fn sample_light_in_lane(
+    context: RenderContext<'_>,
+    ctx: &LightSampleContext,
+    batch: &VertexBatch,
+    lane: usize,
+) -> Option<LightSample> {
+    let u = VertexBatch::pair(&batch.numbers.light, lane);
+    let u_select = batch.numbers.light_selection.0[lane];
+    context.prepared.lights().sample(context.scene.spheres(), ctx, u_select, u)
+}
