@@ -53,6 +53,7 @@ pub struct SurfaceHit {
 
 impl PathRay {
     /// Creates a ray from a point that belongs to no sphere, such as a camera's.
+    #[inline(always)]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
@@ -85,6 +86,7 @@ impl Side {
 
 impl SurfaceHit {
     /// Returns the unit normal on the side that the ray arrived from.
+    #[inline(always)]
     pub fn facing_normal(&self) -> DVec3 {
         match self.side {
             Side::Outside => self.normal,
@@ -96,6 +98,7 @@ impl SurfaceHit {
     /// Spawns a ray from this point. An outward ray cannot hit its own sphere again; an inward ray
     /// hits the exit point at `-2 d.(p-c) / d.d`, in closed form. `None` if that chord has no
     /// length, which ends a path.
+    #[inline(always)]
     pub fn spawn_ray(&self, direction: DVec3) -> Option<PathRay> {
         let mut ray = PathRay { origin_sphere: self.id, ..PathRay::new(self.point, direction) };
         let cosine = direction.dot(self.normal);
@@ -110,6 +113,7 @@ impl SurfaceHit {
 
     /// Spawns a shadow ray from this point to an emitter `distance` away in this direction, or to
     /// infinity and no sphere; `None` if the sphere itself occludes it.
+    #[inline(always)]
     pub fn spawn_shadow_ray(
         &self,
         direction: DVec3,
@@ -124,6 +128,7 @@ impl SurfaceHit {
 
     /// Spawns a shadow ray like [`Self::spawn_shadow_ray`], but one that may pass through the
     /// sphere's exit point.
+    #[inline(always)]
     pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, emitter: u32) -> Option<PathRay> {
         self.spawn_ray(direction).map(|ray| PathRay {
             t_max: distance,

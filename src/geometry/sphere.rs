@@ -101,6 +101,7 @@ impl Sphere {
     }
 
     /// Returns true if the point lies inside.
+    #[inline(always)]
     pub fn contains(&self, point: DVec3) -> bool {
         point.distance_squared(self.center) < self.radius * self.radius
     }

@@ -18,6 +18,7 @@ pub struct LightSampleContext {
 impl LightSampleContext {
     /// Returns true if the shading point is inside the emitter or on its surface. Light sampling
     /// then targets the emitter's inner side.
+    #[inline(always)]
     pub fn is_inside(&self, id: u32, emitter: &Sphere) -> bool {
         self.hit.id == id || emitter.contains(self.hit.point)
     }

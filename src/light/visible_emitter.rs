@@ -150,31 +150,55 @@ pub struct LaneLightSample {
 }
 
 /// Samples an emitter from a point on another sphere; a Lambertian surface samples it by the
-/// cosine. `cut` is where walls cut the emitter.
+/// cosine.
 #[inline(always)]
 pub fn sample_in_lane<const IS_LAMBERTIAN: bool>(
     at: &LanePoint,
     emitter: &Sphere,
-    cut: Option<&EmitterCut>,
     u: [f64; 2],
 ) -> LaneLightSample {
-    let to_center = emitter.center - at.point;
-    let distance = to_center.length();
-    let cone = Cone::from_axis(to_center, distance, emitter.radius);
-    let whole = match IS_LAMBERTIAN {
-        true => sample_projected(&cone, at.facing_normal, u),
-        false => LaneLightSample { sample: cone.sample(u), is_projected: false, is_missing: false },
-    };
-    let is_inside = !(emitter.radius < distance);
-    let Some(cut) = cut else {
-        return LaneLightSample { is_missing: whole.is_missing || is_inside, ..whole };
-    };
+    let (cone, is_inside) = cone_in_lane(at, emitter);
+    let whole = sample_whole::<IS_LAMBERTIAN>(&cone, at.facing_normal, u);
+    LaneLightSample { is_missing: whole.is_missing | is_inside, ..whole }
+}
+
+/// As [`sample_in_lane`], but of an emitter that walls cut.
+#[inline(always)]
+pub fn sample_cut_in_lane<const IS_LAMBERTIAN: bool>(
+    at: &LanePoint,
+    emitter: &Sphere,
+    cut: &EmitterCut,
+    u: [f64; 2],
+) -> LaneLightSample {
+    let (cone, is_inside) = cone_in_lane(at, emitter);
+    let whole = sample_whole::<IS_LAMBERTIAN>(&cone, at.facing_normal, u);
     let cap = exposed_cap(cut, at.id, at.side, at.point, emitter);
     let is_narrow = cap.is_narrower_than(&cone);
     LaneLightSample {
         sample: if is_narrow { cap.sample(u) } else { whole.sample },
-        is_projected: whole.is_projected && !is_narrow,
-        is_missing: (whole.is_missing && !is_narrow) || is_inside,
+        is_projected: whole.is_projected & !is_narrow,
+        is_missing: (whole.is_missing & !is_narrow) | is_inside,
+    }
+}
+
+/// Returns the cone that an emitter subtends, and whether the point is inside, where there is none.
+#[inline(always)]
+fn cone_in_lane(at: &LanePoint, emitter: &Sphere) -> (Cone, bool) {
+    let to_center = emitter.center - at.point;
+    let distance = to_center.length();
+    let cone = Cone::from_axis(to_center, distance, emitter.radius);
+    (cone, !(emitter.radius < distance))
+}
+
+#[inline(always)]
+fn sample_whole<const IS_LAMBERTIAN: bool>(
+    cone: &Cone,
+    normal: DVec3,
+    u: [f64; 2],
+) -> LaneLightSample {
+    match IS_LAMBERTIAN {
+        true => sample_projected(cone, normal, u),
+        false => LaneLightSample { sample: cone.sample(u), is_projected: false, is_missing: false },
     }
 }
 

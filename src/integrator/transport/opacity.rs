@@ -143,6 +143,7 @@ impl ShadowWalk<'_> {
 /// Returns the radiance that a light sends to a shading point in `media`, including its own
 /// opacity. Only a glass emitter seen from inside is special: its opacity depends on whether the
 /// path has entered it.
+#[inline(always)]
 pub(super) fn emitter_radiance(
     scene: &Scene,
     (source, radiance): (LightSource, Rgb),

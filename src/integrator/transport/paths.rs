@@ -156,6 +156,7 @@ impl PrevVertex {
         is_lambertian: false,
     };
 
+    #[inline(always)]
     pub(super) fn new(from: &LightSampleContext, pdf: f64) -> Self {
         let LightSampleContext { hit, is_two_sided, is_lambertian } = *from;
         let SurfaceHit { id, point, normal, side, .. } = hit;

@@ -19,7 +19,7 @@ use super::opacity;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
 
 /// A path's vertex on a surface.
-pub(super) struct Vertex<'a> {
+pub(super) struct SurfaceVertex<'a> {
     pub(super) hit: SurfaceHit,
     /// Unit direction to the previous vertex.
     pub(super) wo: DVec3,
@@ -177,7 +177,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if self.is_at_last_edge(&path.state) {
             return None;
         }
-        let vertex = Vertex { hit, wo, surface, eta, crossing };
+        let vertex = SurfaceVertex { hit, wo, surface, eta, crossing };
         let numbers = (self.sampler(&path.state), VertexDimensions::at(depth));
         self.sample_light_and_bsdf(&mut path.state, &vertex, &numbers, shadow_queue)
     }
@@ -205,11 +205,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     pub(super) fn sample_light_and_bsdf(
         &mut self,
         state: &mut PathState,
-        vertex: &Vertex<'_>,
+        vertex: &SurfaceVertex<'_>,
         numbers: &impl VertexNumbers,
         shadow_queue: &mut ShadowQueue<'_>,
     ) -> Option<PathRay> {
-        let Vertex { ref hit, ref surface, eta, crossing, .. } = *vertex;
+        let SurfaceVertex { ref hit, ref surface, eta, crossing, .. } = *vertex;
         let bsdf = surface.material.bsdf(surface.albedo, eta, self.integrator.hemisphere);
         let ctx = LightSampleContext {
             hit: *hit,

@@ -1,6 +1,6 @@
 //! What happens to a path at a surface before it is scattered.
 
-use crate::geometry::{Side, SurfaceHit};
+use crate::geometry::Side;
 use crate::light::LightSource;
 use crate::material::Crossing;
 use crate::scene::SphereMaterial;
@@ -12,26 +12,26 @@ use super::super::paths::StageQueues;
 use super::vertex_batch::VertexBatch;
 
 /// The boundary at which a path arrives.
-#[derive(Clone, Copy)]
-pub(super) struct Arrival {
+pub(super) struct Arrival<'a> {
+    pub(super) surface: SphereMaterial<'a>,
     /// Index of refraction beyond the surface over the index on this side.
     pub(super) eta: f64,
     /// What a path does that goes through, if the media differ on both sides.
     pub(super) crossing: Option<Crossing>,
 }
 
-impl<R: PathRecorder> PathBatch<'_, R> {
+impl<'a, R: PathRecorder> PathBatch<'a, R> {
     /// Dims a path by the medium behind it and adds emission, as [`Self::shade_hit`] does. `None`
     /// if the path ends here, or if the scalar code has shaded it.
     #[inline(never)]
     pub(super) fn arrive(
         &mut self,
-        surface: &SphereMaterial<'_>,
         batch: &VertexBatch,
         lane: usize,
-        hit: &SurfaceHit,
         queues: &mut StageQueues<'_>,
-    ) -> Option<Arrival> {
+    ) -> Option<Arrival<'a>> {
+        let hit = &batch.hit(lane);
+        let surface = self.context.scene.sphere_material(hit.id);
         let path = batch.vertices[lane].path as usize;
         let mut state = queues.paths.states[path];
         let media = self.media_of(&state);
@@ -53,6 +53,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         queues.paths.states[path] = state;
         Some(Arrival {
+            surface,
             eta: boundary.and_then(|boundary| boundary.eta).unwrap_or(1.0),
             crossing: boundary.map(|boundary| boundary.crossing),
         })

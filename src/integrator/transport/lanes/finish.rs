@@ -10,12 +10,11 @@ use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
 use super::super::next_event::LightFactors;
-use super::super::paths::{PathState, ShadowQueue, StageQueues};
-use super::super::shade::{Vertex, VertexNumbers};
-use super::VertexKind;
+use super::super::paths::{PathState, StageQueues};
+use super::super::shade::{SurfaceVertex, VertexNumbers};
 use super::arrive::Arrival;
 use super::light::sample_light_in_lane;
-use super::vertex_batch::VertexBatch;
+use super::vertex_batch::{Vertex, VertexBatch};
 
 /// The random numbers of a lane.
 struct LaneNumbers<'a> {
@@ -53,94 +52,91 @@ impl VertexNumbers for LaneNumbers<'_> {
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Applies the result of a lane to its path.
+    /// Applies the results of all lanes to their paths, each by `finish`.
     #[inline(always)]
-    pub(super) fn finish_lane(
+    pub(super) fn finish_lanes(
         &mut self,
-        kind: VertexKind,
         batch: &VertexBatch,
-        lane: usize,
         queues: &mut StageQueues<'_>,
+        finish: impl Fn(&mut Self, &VertexBatch, usize, &mut StageQueues<'_>) -> Option<PathRay>,
     ) {
-        let vertex = batch.vertices[lane];
-        let path = vertex.path as usize;
-        if batch.hit.is_lost.0[lane] {
-            return self.shade_scalar(queues, path, batch.backend_hit(lane));
-        }
-        let hit = batch.hit(lane);
-        let ray = match kind {
-            VertexKind::Diffuse | VertexKind::Mirror => {
-                if vertex.has_arrival {
-                    let surface = self.context.scene.sphere_material(hit.id);
-                    if self.arrive(&surface, batch, lane, &hit, queues).is_none() {
-                        return;
-                    }
-                }
-                let is_lambertian = kind == VertexKind::Diffuse;
-                let ctx = LightSampleContext { hit, is_two_sided: false, is_lambertian };
-                let StageQueues { paths, shadow, .. } = queues;
-                let state = &mut paths.states[path];
-                match kind {
-                    VertexKind::Diffuse => self.finish_diffuse(state, &ctx, batch, lane, shadow),
-                    _ => self.finish_mirror(state, &ctx, batch, lane),
-                }
+        for lane in 0..batch.count {
+            let path = batch.vertices[lane].path as usize;
+            if batch.hit.is_lost.0[lane] {
+                self.shade_scalar(queues, path, batch.backend_hit(lane));
+                continue;
             }
-            VertexKind::SmoothDielectric | VertexKind::Other => {
-                let surface = self.context.scene.sphere_material(hit.id);
-                let arrival = self.arrive(&surface, batch, lane, &hit, queues);
-                let Some(Arrival { eta, crossing }) = arrival else { return };
-                let wo = -batch.rays.direction.get(lane);
-                let vertex = Vertex { hit, wo, surface, eta, crossing };
-                let StageQueues { paths, shadow, .. } = queues;
-                let state = &mut paths.states[path];
-                self.sample_light_and_bsdf(state, &vertex, &LaneNumbers { batch, lane }, shadow)
+            if let Some(ray) = finish(self, batch, lane, queues) {
+                queues.next.rays.push(&ray);
+                queues.next.states.push(queues.paths.states[path]);
             }
-        };
-        if let Some(ray) = ray {
-            queues.next.rays.push(&ray);
-            queues.next.states.push(queues.paths.states[path]);
         }
     }
 
     #[inline(always)]
-    fn finish_diffuse(
+    pub(super) fn finish_diffuse(
         &mut self,
-        state: &mut PathState,
-        ctx: &LightSampleContext,
         batch: &VertexBatch,
         lane: usize,
-        shadow: &mut ShadowQueue<'_>,
+        queues: &mut StageQueues<'_>,
     ) -> Option<PathRay> {
-        let albedo = batch.vertices[lane].color;
+        let vertex = batch.vertices[lane];
+        if vertex.has_arrival {
+            self.arrive(batch, lane, queues)?;
+        }
+        let (albedo, state) = (vertex.color, &mut queues.paths.states[vertex.path as usize]);
+        let hit = batch.hit(lane);
+        let ctx = &LightSampleContext { hit, is_two_sided: false, is_lambertian: true };
         let may_scatter = self.may_scatter(state);
         let is_lit = batch.light.pdf.0[lane] > 0.0 && self.samples_lights();
         if is_lit && may_scatter {
             let f = Diffuse { albedo }.eval(DVec3::Z);
             let factors = LightFactors { f, mis_factor: batch.light.mis_factor.0[lane] };
             let sample = batch.light.get(lane);
-            self.push_light_sample(state, ctx, &sample, factors, None, shadow);
+            self.push_light_sample(state, ctx, &sample, factors, None, &mut queues.shadow);
         }
         let (direction, pdf) = (batch.bsdf.direction.get(lane), batch.bsdf.pdf.0[lane]);
         if pdf <= 0.0 || !may_scatter {
             return None;
         }
-        let cos = direction.dot(ctx.hit.facing_normal()) as f32;
-        let weight = if fault!(CosineTwice) { albedo * cos } else { albedo };
+        let cos = || direction.dot(ctx.hit.facing_normal()) as f32;
+        let weight = if fault!(CosineTwice) { albedo * cos() } else { albedo };
         let sample = BsdfSample { wi: DVec3::Z, weight, pdf, lobe: Lobe::Diffuse, eta: 1.0 };
         self.continue_lane(state, ctx, &sample, batch, lane)
     }
 
     #[inline(always)]
-    fn finish_mirror(
+    pub(super) fn finish_mirror(
         &mut self,
-        state: &mut PathState,
-        ctx: &LightSampleContext,
         batch: &VertexBatch,
         lane: usize,
+        queues: &mut StageQueues<'_>,
     ) -> Option<PathRay> {
-        let weight = batch.vertices[lane].color;
+        let Vertex { path, color: weight, has_arrival, .. } = batch.vertices[lane];
+        if has_arrival {
+            self.arrive(batch, lane, queues)?;
+        }
+        let state = &mut queues.paths.states[path as usize];
+        let hit = batch.hit(lane);
+        let ctx = &LightSampleContext { hit, is_two_sided: false, is_lambertian: false };
         let sample = BsdfSample { wi: DVec3::Z, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 };
         self.continue_lane(state, ctx, &sample, batch, lane)
+    }
+
+    #[inline(always)]
+    pub(super) fn finish_any(
+        &mut self,
+        batch: &VertexBatch,
+        lane: usize,
+        queues: &mut StageQueues<'_>,
+    ) -> Option<PathRay> {
+        let Arrival { surface, eta, crossing } = self.arrive(batch, lane, queues)?;
+        let hit = batch.hit(lane);
+        let wo = -batch.rays.direction.get(lane);
+        let vertex = SurfaceVertex { hit, wo, surface, eta, crossing };
+        let state = &mut queues.paths.states[batch.vertices[lane].path as usize];
+        let numbers = LaneNumbers { batch, lane };
+        self.sample_light_and_bsdf(state, &vertex, &numbers, &mut queues.shadow)
     }
 
     /// Continues a path that is reflected in the direction of its lane.

@@ -3,7 +3,7 @@
 
 use crate::fault::fault;
 use crate::geometry::Sphere;
-use crate::light::{Emitter, EmitterCut, LanePoint, LightSource, sample_in_lane};
+use crate::light::{Emitter, EmitterCut, LightSource, sample_cut_in_lane, sample_in_lane};
 use crate::material::{Diffuse, Mirror};
 use crate::math::{DVec3, Frame, LANES, Lanes, SimdKernel, renormalize};
 use crate::sampling::SobolLanes;
@@ -11,7 +11,7 @@ use crate::scene::settings::Estimator;
 
 use super::super::super::dimension::VertexDimensions;
 use super::super::weight::light_weight;
-use super::vertex_batch::{SampledSource, VertexBatch, side_of};
+use super::vertex_batch::{SampledSource, VertexBatch};
 
 /// The random numbers that a batch needs.
 #[derive(Clone, Copy)]
@@ -106,34 +106,52 @@ fn draw_2d(sobol: &SobolLanes, dimension: u32, [first, second]: &mut [Lanes<f64>
     draw(sobol, dimension + 1, second);
 }
 
-/// Samples the only light: an emitter, which a wall may cut.
+/// Samples the only light: an emitter.
 pub(super) struct SampleSingleEmitter<'a, const IS_LAMBERTIAN: bool> {
     pub(super) batch: &'a mut VertexBatch,
     pub(super) emitter: Emitter,
     pub(super) sphere: Sphere,
-    pub(super) cut: Option<&'a EmitterCut>,
 }
 
 impl<const IS_LAMBERTIAN: bool> SimdKernel for SampleSingleEmitter<'_, IS_LAMBERTIAN> {
     #[inline(always)]
     fn run(self) {
-        let Self { batch, emitter: Emitter { id, emission, .. }, sphere, cut } = self;
-        let VertexBatch { hit, light, vertices, numbers, .. } = batch;
-        let source = SampledSource { source: LightSource::Emitter(id), radiance: emission };
-        light.sources = [source; LANES];
-        let cut = cut.copied();
+        let Self { batch: VertexBatch { hit, light, vertices, numbers, .. }, emitter, sphere } =
+            self;
+        light.sources = [source_of(&emitter); LANES];
         for (lane, vertex) in vertices.iter().enumerate() {
-            let at = LanePoint {
-                id: vertex.id,
-                point: hit.point.get(lane),
-                facing_normal: hit.facing_normal.get(lane),
-                side: side_of(hit.is_inside.0[lane]),
-            };
+            let at = hit.lane_point(lane, vertex.id);
             let u = VertexBatch::pair(&numbers.light, lane);
-            let sample = sample_in_lane::<IS_LAMBERTIAN>(&at, &sphere, cut.as_ref(), u);
-            light.set_lane(lane, &sample);
+            light.set_lane(lane, &sample_in_lane::<IS_LAMBERTIAN>(&at, &sphere, u));
         }
     }
+}
+
+/// Samples the only light: an emitter that walls cut.
+pub(super) struct SampleCutEmitter<'a, const IS_LAMBERTIAN: bool> {
+    pub(super) batch: &'a mut VertexBatch,
+    pub(super) emitter: Emitter,
+    pub(super) sphere: Sphere,
+    pub(super) cut: &'a EmitterCut,
+}
+
+impl<const IS_LAMBERTIAN: bool> SimdKernel for SampleCutEmitter<'_, IS_LAMBERTIAN> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { batch, emitter, sphere, cut } = self;
+        let VertexBatch { hit, light, vertices, numbers, .. } = batch;
+        light.sources = [source_of(&emitter); LANES];
+        let cut = *cut;
+        for (lane, vertex) in vertices.iter().enumerate() {
+            let at = hit.lane_point(lane, vertex.id);
+            let u = VertexBatch::pair(&numbers.light, lane);
+            light.set_lane(lane, &sample_cut_in_lane::<IS_LAMBERTIAN>(&at, &sphere, &cut, u));
+        }
+    }
+}
+
+fn source_of(emitter: &Emitter) -> SampledSource {
+    SampledSource { source: LightSource::Emitter(emitter.id), radiance: emitter.emission }
 }
 
 /// Weights the light samples of Lambertian surfaces and samples directions.

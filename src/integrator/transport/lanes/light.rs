@@ -7,7 +7,7 @@ use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
 use super::VertexKind;
-use super::kernels::SampleSingleEmitter;
+use super::kernels::{SampleCutEmitter, SampleSingleEmitter};
 use super::vertex_batch::VertexBatch;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
@@ -21,12 +21,17 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return self.sample_missing_lights(kind, batch);
         };
         let sphere = self.context.scene.spheres().sphere(emitter.id);
-        let cut = lights.single_emitter_cut();
-        match kind {
-            VertexKind::Diffuse => {
-                isa.run(SampleSingleEmitter::<'_, true> { batch, emitter, sphere, cut });
+        match (kind, lights.single_emitter_cut()) {
+            (VertexKind::Diffuse, None) => {
+                isa.run(SampleSingleEmitter::<'_, true> { batch, emitter, sphere });
             }
-            _ => isa.run(SampleSingleEmitter::<'_, false> { batch, emitter, sphere, cut }),
+            (VertexKind::Diffuse, Some(cut)) => {
+                isa.run(SampleCutEmitter::<'_, true> { batch, emitter, sphere, cut });
+            }
+            (_, None) => isa.run(SampleSingleEmitter::<'_, false> { batch, emitter, sphere }),
+            (_, Some(cut)) => {
+                isa.run(SampleCutEmitter::<'_, false> { batch, emitter, sphere, cut });
+            }
         }
         for lane in 0..batch.count {
             batch.light.is_missing.0[lane] |= batch.vertices[lane].id == emitter.id;

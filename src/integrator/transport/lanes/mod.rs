@@ -163,12 +163,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         match kind {
             VertexKind::Diffuse => {
                 isa.run(ScatterDiffuse { batch, estimator: self.integrator.estimator });
+                self.finish_lanes(batch, queues, Self::finish_diffuse);
             }
-            VertexKind::Mirror => isa.run(ReflectAtMirror { batch }),
-            VertexKind::SmoothDielectric | VertexKind::Other => {}
-        }
-        for lane in 0..batch.count {
-            self.finish_lane(kind, batch, lane, queues);
+            VertexKind::Mirror => {
+                isa.run(ReflectAtMirror { batch });
+                self.finish_lanes(batch, queues, Self::finish_mirror);
+            }
+            VertexKind::SmoothDielectric | VertexKind::Other => {
+                self.finish_lanes(batch, queues, Self::finish_any);
+            }
         }
         batch.count = 0;
     }

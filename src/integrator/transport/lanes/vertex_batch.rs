@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::{LaneLightSample, LightSample, LightSource};
+use crate::light::{LaneLightSample, LanePoint, LightSample, LightSource};
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
@@ -206,6 +206,17 @@ impl LightSampleLanes {
 }
 
 impl HitLanes {
+    /// Returns the point of a hit on a sphere.
+    #[inline(always)]
+    pub(super) fn lane_point(&self, lane: usize, id: u32) -> LanePoint {
+        LanePoint {
+            id,
+            point: self.point.get(lane),
+            facing_normal: self.facing_normal.get(lane),
+            side: side_of(self.is_inside.0[lane]),
+        }
+    }
+
     /// Stores a hit.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, t: f64, point: DVec3, normal: DVec3, inside: bool) {
@@ -218,6 +229,6 @@ impl HitLanes {
 
 /// Returns the side of a hit.
 #[inline(always)]
-pub(super) fn side_of(is_inside: bool) -> Side {
+fn side_of(is_inside: bool) -> Side {
     if is_inside { Side::Inside } else { Side::Outside }
 }
