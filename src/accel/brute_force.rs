@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use crate::geometry::{PathRay, PathRays, RayBlock, SphereSet};
+use crate::geometry::{LineApproach, PathRay, PathRays, RayBlock, SphereSet};
 use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, SimdKernel, rounded_interval};
 
 use super::intersector::{Accel, ErrorBound};
@@ -134,6 +134,9 @@ struct BlockHits {
     t: Lanes<f64>,
     /// The sphere hit, or `NO_SPHERE`.
     id: Lanes<u32>,
+    /// The closest approach to the sphere that is tested, as in [`LineApproach`].
+    approach: Lanes<f64>,
+    half_chord_squared: Lanes<f64>,
 }
 
 /// Initialises a block without hits.
@@ -170,19 +173,37 @@ impl SimdKernel for IntersectSpheres<'_> {
         let Self { rays, spheres, ids, block_hits } = self;
         for id in ids {
             let sphere = spheres.sphere(id);
+            // Most spheres are missed by all rays of a block, which then need no square root.
+            let mut hits = 0u64;
             for lane in 0..LANES {
                 let (origin, direction) = (rays.origin.get(lane), rays.direction.get(lane));
-                let (t_min, nearest, best_id) =
-                    (block_hits.t_min.0[lane], block_hits.t.0[lane], block_hits.id.0[lane]);
                 let per_length_squared = block_hits.inv_length_squared.0[lane];
-                let t = sphere.nearer_root(origin, direction, per_length_squared, t_min);
-                // No branches, which would prevent vectorisation.
-                let is_excluded =
-                    (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
-                let is_nearer = (t > t_min) & (t < nearest) & !is_excluded;
-                block_hits.t.0[lane] = if is_nearer { t } else { nearest };
-                block_hits.id.0[lane] = if is_nearer { id } else { best_id };
+                let LineApproach { t, half_chord_squared } =
+                    sphere.closest_approach(origin, direction, per_length_squared);
+                block_hits.approach.0[lane] = t;
+                block_hits.half_chord_squared.0[lane] = half_chord_squared;
+                hits += u64::from(half_chord_squared >= 0.0);
+            }
+            if hits > 0 {
+                keep_nearer(rays, block_hits, id);
             }
         }
+    }
+}
+
+/// Keeps the hits of a sphere that are nearer than those so far.
+#[inline(always)]
+fn keep_nearer(rays: &RayBlock, block_hits: &mut BlockHits, id: u32) {
+    for lane in 0..LANES {
+        let (t_min, nearest, best_id) =
+            (block_hits.t_min.0[lane], block_hits.t.0[lane], block_hits.id.0[lane]);
+        let (t, half_chord_squared) =
+            (block_hits.approach.0[lane], block_hits.half_chord_squared.0[lane]);
+        let t = LineApproach { t, half_chord_squared }.nearer_root(t_min);
+        // No branches, which would prevent vectorisation.
+        let is_excluded = (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
+        let is_nearer = (t > t_min) & (t < nearest) & !is_excluded;
+        block_hits.t.0[lane] = if is_nearer { t } else { nearest };
+        block_hits.id.0[lane] = if is_nearer { id } else { best_id };
     }
 }

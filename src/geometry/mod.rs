@@ -20,5 +20,5 @@ pub use path_ray::{PathRay, Side, SurfaceHit};
 pub use projected_cap::ProjectedCap;
 pub use rays::{PathRays, RayBlock};
 pub use set::SphereSet;
-pub use sphere::{Roots, Sphere};
+pub use sphere::{LineApproach, Roots, Sphere};
 pub use storage::SphereRows;

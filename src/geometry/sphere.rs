@@ -54,25 +54,8 @@ impl Sphere {
         t_max: f64,
     ) -> Option<f64> {
         let per_length_squared = 1.0 / direction.length_squared();
-        let t = self.nearer_root(origin, direction, per_length_squared, t_min);
+        let t = self.closest_approach(origin, direction, per_length_squared).nearer_root(t_min);
         (t > t_min && t < t_max).then_some(t)
-    }
-
-    /// Returns the nearer root if it lies beyond `t_min`, else the farther one, which may lie
-    /// anywhere; NaN if the line misses. For loops over many rays: the caller passes the reciprocal
-    /// of the direction's squared length.
-    #[inline(always)]
-    pub fn nearer_root(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        inv_length_squared: f64,
-        t_min: f64,
-    ) -> f64 {
-        let LineApproach { t, half_chord_squared } =
-            self.closest_approach(origin, direction, inv_length_squared);
-        let h = half_chord_squared.sqrt();
-        if t - h > t_min || fault!(NearRootForFar) { t - h } else { t + h }
     }
 
     /// Returns the hit distance of a line that is known to hit: the first root beyond `t_min`; the
@@ -106,8 +89,10 @@ impl Sphere {
         point.distance_squared(self.center) < self.radius * self.radius
     }
 
+    /// Returns a line's closest approach to the centre, given the reciprocal of the direction's
+    /// squared length.
     #[inline(always)]
-    fn closest_approach(
+    pub fn closest_approach(
         &self,
         origin: DVec3,
         direction: DVec3,
@@ -121,12 +106,23 @@ impl Sphere {
     }
 }
 
-/// A line's closest approach to the centre.
-struct LineApproach {
-    /// Distance along the line.
-    t: f64,
+/// A line's closest approach to the centre of a sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct LineApproach {
+    /// Distance along the line, in units of the direction's length.
+    pub t: f64,
     /// Square of half the chord, in the same units; negative if the line misses.
-    half_chord_squared: f64,
+    pub half_chord_squared: f64,
+}
+
+impl LineApproach {
+    /// Returns the nearer root if it lies beyond `t_min`, else the farther one, which may lie
+    /// anywhere; NaN if the line misses.
+    #[inline(always)]
+    pub fn nearer_root(&self, t_min: f64) -> f64 {
+        let h = self.half_chord_squared.sqrt();
+        if self.t - h > t_min || fault!(NearRootForFar) { self.t - h } else { self.t + h }
+    }
 }
 
 #[cfg(test)]
