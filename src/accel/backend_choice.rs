@@ -29,7 +29,7 @@ pub struct SelectedBackend {
 impl BackendChoice {
     /// Up to this many spheres, testing all of them in f64 is fastest. With more, the eight-wide
     /// test of the native backend pays off.
-    pub const BRUTE_FORCE_MAX_SPHERES: usize = 4;
+    pub const BRUTE_FORCE_MAX_SPHERES: usize = 64;
 
     /// The name used on the command line.
     pub fn name(self) -> &'static str {

@@ -162,8 +162,8 @@ impl Lights {
             LightCategory::Sun => self.environment.sun()?.sample(u),
         };
         let source = LightSource::Environment;
-        let pdf = self.environment_pdf(&category_pmf, direction);
-        let radiance = self.environment.radiance(direction);
+        let (radiance, map_pdf) = self.environment.radiance_and_pdf(direction);
+        let pdf = self.environment_pdf(&category_pmf, direction, map_pdf);
         let sample = LightSample {
             source,
             direction,
@@ -232,7 +232,11 @@ impl Lights {
         let (id, is_far) = match source {
             LightSource::Emitter(id) => (id, false),
             LightSource::FarWall(id) => (id, true),
-            LightSource::Environment => return self.environment_pdf(&category_pmf, direction),
+            LightSource::Environment => {
+                let map = category_pmf.pmf(LightCategory::EnvironmentMap);
+                let map_pdf = if map > 0.0 { self.environment.pdf(direction) } else { 0.0 };
+                return self.environment_pdf(&category_pmf, direction, map_pdf);
+            }
         };
         let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
             return 0.0;
@@ -273,9 +277,9 @@ impl Lights {
     }
 
     /// A direction to the sun is also one to the environment map, so their pdfs add up.
-    fn environment_pdf(&self, category_pmf: &CategoryPmf, direction: DVec3) -> f64 {
+    fn environment_pdf(&self, category_pmf: &CategoryPmf, direction: DVec3, map_pdf: f64) -> f64 {
         let map = category_pmf.pmf(LightCategory::EnvironmentMap);
-        let map = if map > 0.0 { map * self.environment.pdf(direction) } else { 0.0 };
+        let map = if map > 0.0 { map * map_pdf } else { 0.0 };
         let sun = self.environment.sun().map_or(0.0, |sun| sun.pdf(direction));
         map + category_pmf.pmf(LightCategory::Sun) * sun
     }

@@ -14,7 +14,7 @@ use crate::sampling::exp;
 use crate::fault::fault;
 
 /// Number of media stored without an allocation.
-const INLINE: usize = 4;
+const INLINE: usize = 2;
 
 /// A transparent medium: the inside of one dielectric sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +96,12 @@ impl MediumStack {
         let mut media = self.clone();
         media.cross(crossing);
         media
+    }
+
+    /// Leaves all media and enters others, in order.
+    pub fn reset(&mut self, media: impl Iterator<Item = Medium>) {
+        self.entered.clear();
+        self.entered.extend(media);
     }
 
     /// Returns the stack with `medium` pushed.

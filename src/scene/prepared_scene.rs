@@ -7,7 +7,7 @@ use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
 use crate::light::Lights;
-use crate::material::{Medium, MediumStack, Model};
+use crate::material::{Medium, Model};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
@@ -111,10 +111,10 @@ impl PreparedScene {
         }
     }
 
-    /// The media at a camera ray's origin.
-    pub fn media_at(&self, point: DVec3) -> MediumStack {
-        let containing = self.camera_media.iter().filter(|(sphere, _)| sphere.contains(point));
-        containing.fold(MediumStack::VACUUM, |media, (_, medium)| media.with(*medium))
+    /// The media at a camera ray's origin, in the order in which they are entered.
+    pub fn media_at(&self, point: DVec3) -> impl Iterator<Item = Medium> + '_ {
+        let containing = self.camera_media.iter().filter(move |(sphere, _)| sphere.contains(point));
+        containing.map(|&(_, medium)| medium)
     }
 
     /// Returns true if light that a sphere totally reflects from inside, at this point and into

@@ -37,10 +37,13 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// Traces all paths from the camera to their ends.
     pub(super) fn run(mut self, workspace: &mut Workspace) -> RenderStats {
         self.radiance.fill(PathRadiance { alpha: 1.0, ..PathRadiance::default() });
-        let with_media = if self.context.scene.has_media() { self.samples.len() } else { 0 };
-        self.media.clear();
-        self.media.resize(with_media, MediumStack::VACUUM);
-        // A path reads only records that it has written, so stale entries are harmless.
+        // A path reads only entries that it has written, so stale ones are harmless.
+        if self.context.scene.has_media() {
+            let room = self.samples.len().max(self.media.len());
+            self.media.resize(room, MediumStack::VACUUM);
+        } else {
+            self.media.clear();
+        }
         let room = self.samples.len().max(self.prev_vertices.len());
         self.prev_vertices.resize(room, PrevVertex::NONE);
         self.generate_camera_paths(workspace);

@@ -123,9 +123,18 @@ impl EnvironmentMap {
 
     /// Returns the radiance from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
+        self.radiance_at(&self.locate(direction))
+    }
+
+    /// Returns the radiance from a unit direction, and the pdf of [`Self::sample`] per solid angle.
+    pub fn radiance_and_pdf(&self, direction: DVec3) -> (Rgb, f64) {
         let position = self.locate(direction);
+        (self.radiance_at(&position), self.pdf_at(&position))
+    }
+
+    fn radiance_at(&self, position: &GridPosition) -> Rgb {
         let mut sum = DVec3::ZERO;
-        for (node, weight) in self.bilinear_weights(&position) {
+        for (node, weight) in self.bilinear_weights(position) {
             sum += self.radiance[node].as_dvec3() * weight;
         }
         sum.as_vec3()
@@ -152,9 +161,15 @@ impl EnvironmentMap {
         if self.band_distribution.is_none() {
             return 0.0;
         }
-        let position = self.locate(direction);
+        self.pdf_at(&self.locate(direction))
+    }
+
+    fn pdf_at(&self, position: &GridPosition) -> f64 {
+        if self.band_distribution.is_none() {
+            return 0.0;
+        }
         let weight: f64 = self
-            .bilinear_weights(&position)
+            .bilinear_weights(position)
             .map(|(node, weight)| self.sampling_weight(node) * weight)
             .into_iter()
             .sum();
@@ -190,6 +205,9 @@ impl EnvironmentMap {
         let band = below.clamp(1, self.heights.len() - 1) - 1;
         let [above, below] = [self.heights[band], self.heights[band + 1]];
         let down = ((above - height) / (above - below)).clamp(0.0, 1.0);
+        if self.columns == 1 {
+            return GridPosition { band, column: 0, across: 0.0, down };
+        }
         // Azimuth from +z (behind the viewer, at the image's left edge) towards -x.
         let turns = atan2(-direction.x, direction.z) / TAU;
         let x = (turns - turns.floor()) * self.columns as f64 - 0.5;

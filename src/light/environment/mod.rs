@@ -88,6 +88,14 @@ impl Environment {
         self.sun.map_or(map, |sun| map + sun.radiance(direction))
     }
 
+    /// Returns the radiance from a unit direction, and the pdf of [`Self::sample`] per solid angle.
+    pub(super) fn radiance_and_pdf(&self, direction: DVec3) -> (Rgb, f64) {
+        let local = self.orientation.to_local(direction);
+        let (map, pdf) = self.map.radiance_and_pdf(local);
+        let map = self.constant.unwrap_or(map);
+        (self.sun.map_or(map, |sun| map + sun.radiance(direction)), pdf)
+    }
+
     /// Returns an upper bound on the radiance from any direction, in any channel.
     pub fn max_radiance(&self) -> f32 {
         self.map.max_radiance() + self.sun.map_or(0.0, |sun| sun.max_radiance())

@@ -12,9 +12,7 @@ use super::super::path_tracer::PathTracer;
 
 /// Returns true if the camera rays of a scene can be generated in lanes.
 pub(super) fn supports_lanes(prepared: &PreparedScene, tracer: &PathTracer) -> bool {
-    prepared.camera().is_pinhole()
-        && tracer.strata.is_unstratified()
-        && prepared.render_settings().sampler == SamplerKind::Sobol
+    tracer.strata.is_unstratified() && prepared.render_settings().sampler == SamplerKind::Sobol
 }
 
 /// A block of samples whose camera rays are generated together.
@@ -24,6 +22,7 @@ pub(in super::super::super) struct CameraRayBatch {
     sample: Lanes<u32>,
     sobol: SobolLanes,
     u: [Lanes<f64>; 2],
+    lens: [Lanes<f64>; 2],
     /// Offset from the pixel's centre.
     offset: [Lanes<f64>; 2],
 }
@@ -50,7 +49,29 @@ impl CameraRayBatch {
                 (0..2).for_each(|axis| self.offset[axis].0[lane] = offset[axis]);
             }
         }
-        isa.run(GenerateRays { batch: self, prepared, rays });
+        if prepared.camera().is_pinhole() {
+            isa.run(GenerateRays { batch: self, prepared, rays });
+        } else {
+            (0..samples.len()).for_each(|lane| self.generate_ray(prepared, lane, rays));
+        }
+    }
+
+    /// Generates a ray of any other camera.
+    fn generate_ray(&self, prepared: &PreparedScene, lane: usize, rays: &mut RayBlock) {
+        let camera = prepared.camera();
+        let [x, y] = self.position(lane);
+        let lens = if camera.has_lens() { self.lens.map(|u| u.0[lane]) } else { [0.5; 2] };
+        let ray = camera.generate_ray(x, y, lens);
+        rays.origin.set(lane, ray.origin);
+        rays.direction.set(lane, ray.direction);
+        rays.t_min.0[lane] = ray.t_min;
+    }
+
+    /// Returns the position in the picture of a lane, in pixels.
+    #[inline(always)]
+    fn position(&self, lane: usize) -> [f64; 2] {
+        let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
+        [0, 1].map(|axis| f64::from(self.pixel[axis].0[lane]) + half + self.offset[axis].0[lane])
     }
 
     /// Returns the sampler of a lane.
@@ -68,7 +89,7 @@ struct SamplePixel<'a> {
 impl SimdKernel for SamplePixel<'_> {
     #[inline(always)]
     fn run(self) {
-        let CameraRayBatch { pixel: [x, y], sample, sobol, u, offset, .. } = self.batch;
+        let CameraRayBatch { pixel: [x, y], sample, sobol, u, lens, offset } = self.batch;
         let width = u64::from(self.prepared.image_settings().width);
         let pixel = |lane: usize| u64::from(y.0[lane]) * width + u64::from(x.0[lane]);
         sobol.start_pixel_samples(self.prepared.render_settings().seed, pixel, |lane| {
@@ -77,6 +98,12 @@ impl SimdKernel for SamplePixel<'_> {
         sobol.select_set(|_| dimension::PIXEL / SobolLanes::SET_SIZE);
         for (dimension, u) in (dimension::PIXEL % SobolLanes::SET_SIZE..).zip(&mut *u) {
             sobol.get(dimension, u);
+        }
+        if self.prepared.camera().has_lens() {
+            sobol.select_set(|_| dimension::LENS / SobolLanes::SET_SIZE);
+            for (dimension, u) in (dimension::LENS % SobolLanes::SET_SIZE..).zip(lens) {
+                sobol.get(dimension, u);
+            }
         }
         if let Some(radius) = self.prepared.filter().box_radius() {
             for (u, offset) in u.iter().zip(offset) {
@@ -98,13 +125,10 @@ struct GenerateRays<'a> {
 impl SimdKernel for GenerateRays<'_> {
     #[inline(always)]
     fn run(self) {
-        let CameraRayBatch { pixel, offset, .. } = self.batch;
         let RayBlock { origin, direction, t_min, .. } = self.rays;
         let camera = *self.prepared.camera();
-        let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
         for lane in 0..LANES {
-            let [x, y] =
-                [0, 1].map(|axis| f64::from(pixel[axis].0[lane]) + half + offset[axis].0[lane]);
+            let [x, y] = self.batch.position(lane);
             let ray = camera.generate_pinhole_ray(x, y);
             origin.set(lane, ray.origin);
             direction.set(lane, ray.direction);

@@ -81,7 +81,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     fn begin_camera_path(&mut self, path: &Path) {
         let (ray, redraws) = (path.ray, path.state.redraws);
         if let Some(media) = self.media.get_mut(path.state.batch_index as usize) {
-            *media = self.context.prepared.media_at(ray.at(ray.t_min));
+            media.reset(self.context.prepared.media_at(ray.at(ray.t_min)));
         }
         self.recorder.record(|| PathEvent::CameraRay { ray, redraws });
     }
