@@ -15,6 +15,7 @@ mod normals;
 mod paper;
 mod path;
 mod primary_hits;
+mod profile;
 mod raycast;
 mod sample;
 mod trace;
@@ -23,6 +24,7 @@ mod workspace;
 
 pub use context::RenderContext;
 pub use estimate::Integrator;
+pub use profile::{Stage, StageProfile};
 pub use sample::{RenderStats, SampleAddress};
 pub use trace::{Contribution, PathEvent, PathTrace, Termination};
 pub use workspace::Workspace;

@@ -5,12 +5,14 @@ use crate::material::MediumStack;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 
+use super::profile::{StageClock, StageProfile};
 use super::transport::{CameraRayBatch, PathQueue, PrevVertex, ShadowRays, VertexBatches};
 
 /// Scratch memory that one thread reuses for every batch.
 #[derive(Default)]
 pub struct Workspace {
     pub(super) isa: Isa,
+    pub(super) clock: StageClock,
     pub(super) path_queue: PathQueue,
     pub(super) next_path_queue: PathQueue,
     pub(super) camera_batch: CameraRayBatch,
@@ -37,6 +39,16 @@ impl Workspace {
     /// of them.
     pub fn with_isa(isa: Isa) -> Self {
         Self { isa, ..Self::default() }
+    }
+
+    /// Creates a workspace that measures the stages of the path tracer.
+    pub fn profiled() -> Self {
+        Self { clock: StageClock::started(), ..Self::default() }
+    }
+
+    /// Returns what a profiled workspace has measured so far.
+    pub fn profile(&self) -> Option<StageProfile> {
+        self.clock.profile()
     }
 
     /// Enables or disables recording of each sample's first visible surface.

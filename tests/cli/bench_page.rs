@@ -40,9 +40,10 @@ fn batches_threads_and_whole_renders_are_compared() {
     desk.run("generate packed -n 500 -o t.f32 --scene s.toml").succeeds();
     let bench = "bench s.toml --set image.width=16 --set image.height=12 --threads 2 --rounds 1 \
                  --set render.samples_per_pixel=2 --accel native --accel brute-force --builds 2 \
-                 --batch 64,1 --scaling --render";
+                 --batch 64,1 --scaling --render --stages";
     let text = desk.run(bench).succeeds().stdout;
-    for part in ["64 rays a call", "1 ray a call", "1 thread;", "2 threads;", "pure arithmetic"] {
+    let parts = ["64 rays a call", "1 ray a call", "1 thread;", "2 threads;", "pure arithmetic"];
+    for part in parts.into_iter().chain(["sorting by surface", "by the scalar code"]) {
         assert!(text.contains(part), "{part}: {text}");
     }
     let found = desk.run(&format!("{bench} --json")).succeeds().json();
@@ -62,6 +63,12 @@ fn batches_threads_and_whole_renders_are_compared() {
         assert_eq!(render["differing_pixels"], 0);
         assert!(is_positive(&render["seconds"]), "{render}");
         assert!(render["intersector_fraction"].as_f64().is_some_and(|f| f < 1.0), "{render}");
+    }
+    for stages in found["stages"].as_array().expect("a list") {
+        assert!(is_positive(&stages["ns_per_vertex"]["closest_hits"]), "{stages}");
+        assert!(is_positive(&stages["ns_per_vertex_outside_intersector"]), "{stages}");
+        assert!(stages["vertices"].as_u64().is_some_and(|count| count > 0), "{stages}");
+        assert_eq!(stages["scalar_vertices"], 0);
     }
 }
 
@@ -94,6 +101,7 @@ fn bench_wants_a_scene_or_the_suite_and_not_both() {
         "bench s.toml --batch 1,many",
         "bench --suite p.html --svg a.svg",
         "bench --suite p.html --render",
+        "bench s.toml --stages",
     ] {
         assert_eq!(desk.run(words).code, Some(2), "{words}");
     }

@@ -115,8 +115,22 @@ fn must_agree(name: &str, kit: &Kit) {
 #[test]
 fn the_repositorys_scenes_have_the_same_bits_for_any_instructions_and_batches() {
     let small = ["image.width=24", "image.height=18"];
-    let names = ["paper/fig2.toml", "paper/fig5.toml", "cornell-spheres.toml", "sky.toml"];
-    for name in names.into_iter().chain(["furnace.toml", "verify/lamp-in-glass.toml"]) {
+    for name in [
+        "paper/fig2.toml",
+        "paper/fig5.toml",
+        "cornell-spheres.toml",
+        "sky.toml",
+        "furnace.toml",
+        "materials.toml",
+        "phong.toml",
+        "bench/mixed-balls.toml",
+        "bench/small-lamp.toml",
+        "verify/lamp-in-glass.toml",
+        "verify/translucent-lamp.toml",
+        "verify/fog.toml",
+        "verify/lens.toml",
+        "verify/orthographic.toml",
+    ] {
         must_agree(name, &Kit::of_file(name, &small));
     }
 }

@@ -16,7 +16,7 @@ Examples:
   photosphere bench scenes/paper/fig2.toml
   photosphere bench grains.toml --accel native --threads 1 --rounds 9 --json
   photosphere bench grains.toml --batch 1,16,64,512 --scaling --svg bars.svg
-  photosphere bench grains.toml --render --set render.samples_per_pixel=16
+  photosphere bench grains.toml --render --stages --set render.samples_per_pixel=16
   photosphere bench --suite speed.html --largest 1e6
   photosphere bench --record record.txt --rounds 9
 
@@ -69,6 +69,10 @@ pub struct BenchArgs {
     #[arg(long, conflicts_with = "suite")]
     pub render: bool,
 
+    /// Also measure each stage of the render, in nanoseconds per vertex of a path, on one thread
+    #[arg(long, requires = "render")]
+    pub stages: bool,
+
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -86,7 +90,7 @@ pub struct BenchArgs {
     /// keeps, with our targets: about a quarter of an hour
     #[arg(long, value_name = "FILE.txt")]
     #[arg(conflicts_with_all = [
-        "path", "suite", "set", "scaling", "render", "svg", "chosen", "builds", "batches", "quality",
+        "path", "suite", "set", "scaling", "render", "stages", "svg", "chosen", "builds", "batches", "quality",
         "limit", "json",
     ])]
     pub record: Option<PathBuf>,

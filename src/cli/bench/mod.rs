@@ -16,7 +16,7 @@ use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
 use crate::scene::{PreparedScene, SceneFile, read_file};
-use crate::verify::bench::{RAY_SETS, Record, bench_renders, camera_rays};
+use crate::verify::bench::{RAY_SETS, Record, bench_renders, bench_stages, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
@@ -64,6 +64,9 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
     if args.render {
         measured.renders =
             bench_renders(&prepared, &backend_set, args.rounds.into(), &plan.cancel)?;
+        if args.stages {
+            measured.stages = bench_stages(&prepared, &backend_set, &plan.cancel);
+        }
     }
     let (spheres, rounds) = (scene.spheres().len(), plan.rounds());
     if let Some(file) = drawing {

@@ -7,6 +7,7 @@ use crate::math::{Hit, Isa};
 use crate::sampling::Sampler;
 
 use super::super::context::RenderContext;
+use super::super::profile::{Stage, StageClock};
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
@@ -30,6 +31,7 @@ pub(super) struct PathBatch<'a, R> {
     /// The MIS record of the previous vertex of each sample's path.
     pub(super) prev_vertices: Vec<PrevVertex>,
     pub(super) stats: RenderStats,
+    pub(super) clock: StageClock,
     pub(super) recorder: &'a mut R,
 }
 
@@ -46,7 +48,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let room = self.samples.len().max(self.prev_vertices.len());
         self.prev_vertices.resize(room, PrevVertex::NONE);
+        self.clock.begin();
         self.generate_camera_paths(workspace);
+        self.clock.end(Stage::CameraRays);
         while !workspace.path_queue.states.is_empty() && !self.context.cancel.is_cancelled() {
             self.advance(workspace);
         }
@@ -54,6 +58,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         workspace.visible_surfaces = self.visible_surfaces;
         workspace.samplers = self.samplers;
         workspace.prev_vertices = self.prev_vertices;
+        workspace.clock = self.clock;
         self.stats
     }
 
@@ -96,6 +101,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         hits.resize(paths.states.len(), Hit::MISS);
         self.context.accel.closest_path_rays(spheres, &paths.rays, rays, hits);
         self.stats.count_path_rays(&paths.rays, isa);
+        self.clock.end(Stage::ClosestHits);
         self.context.scene.prefetch(hits);
 
         // Shade: add emission, sample a light, scatter.
@@ -114,6 +120,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             self.context.accel.occluded_path_rays(spheres, &shadow_rays.rays, rays, occluded);
             self.stats.count_path_rays(&shadow_rays.rays, isa);
         }
+        self.clock.end(Stage::Occlusion);
         if self.context.scene.has_passable_surfaces() {
             visibility.clear();
             visibility.resize(shadow_rays.pending.len(), Rgb::ONE);
@@ -122,6 +129,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let mut walk = ShadowWalk { context, shadow_rays, media, visibility, stats };
             walk.run(occluded, rays, hits);
             self.stats = self.stats + walk.stats;
+            self.clock.end(Stage::Occlusion);
             for (pending, &visibility) in shadow_rays.pending.iter().zip(&*visibility) {
                 self.add_direct(pending, visibility);
             }
@@ -130,6 +138,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
                 self.add_direct(pending, if is_occluded { Rgb::ZERO } else { Rgb::ONE });
             }
         }
+        self.clock.end(Stage::AddingLight);
     }
 
     /// Shades all paths of a stage where they hit or miss.
@@ -155,6 +164,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             }
         }
         self.flush_all(isa, batches, queues);
+        self.clock.end(Stage::Sorting);
     }
 
     /// Shades a single path.
@@ -162,7 +172,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     pub(super) fn shade_scalar(&mut self, queues: &mut StageQueues<'_>, index: usize, hit: Hit) {
         let mut path = queues.paths.get(index);
         let ray = match self.context.scene.spheres().resolve_hit(&path.ray, hit) {
-            Some(surface) => self.shade_hit(&mut path, surface, &mut queues.shadow),
+            Some(surface) => {
+                self.clock.count(1, 1);
+                self.shade_hit(&mut path, surface, &mut queues.shadow)
+            }
             None => self.shade_miss(&mut path),
         };
         if let Some(ray) = ray {

@@ -28,6 +28,7 @@ use crate::color::PathRadiance;
 
 use super::context::RenderContext;
 use super::estimate::Integrator;
+use super::profile::StageClock;
 use super::sample::{RenderStats, SampleAddress};
 use super::trace::{NullRecorder, PathEvent, PathTrace};
 use super::workspace::Workspace;
@@ -53,6 +54,7 @@ impl Integrator for PathTracer {
         let Workspace { media, visible_surfaces, samplers, prev_vertices, .. } = workspace;
         let (media, visible_surfaces, samplers, prev_vertices) =
             (take(media), take(visible_surfaces), take(samplers), take(prev_vertices));
+        let clock = workspace.clock;
         let transport = self;
         PathBatch {
             integrator: transport,
@@ -64,6 +66,7 @@ impl Integrator for PathTracer {
             samplers,
             prev_vertices,
             stats,
+            clock,
             recorder,
         }
         .run(workspace)
@@ -82,6 +85,7 @@ impl Integrator for PathTracer {
             samplers: Vec::new(),
             prev_vertices: Vec::new(),
             stats: RenderStats::default(),
+            clock: StageClock::default(),
             recorder: &mut events,
         };
         let stats = batch.run(&mut Workspace::default());

@@ -1,6 +1,7 @@
 //! Reports intersector speed as text, JSON and bars, and as a page for the standard scenes.
 
 mod page;
+mod stages;
 
 use std::fmt;
 
@@ -62,7 +63,8 @@ impl fmt::Display for SpeedReport<'_> {
         }
         self.batch_sweep(f)?;
         self.thread_sweep(f)?;
-        self.renders(f)
+        self.renders(f)?;
+        stages::text(&self.measured.stages, f)
     }
 }
 
@@ -168,6 +170,7 @@ impl SpeedReport<'_> {
             "batches": sweep(batch_sweep),
             "scaling": sweep(thread_sweep),
             "renders": renders.iter().map(render_json).collect::<Vec<_>>(),
+            "stages": stages::json(&self.measured.stages),
         })
     }
 

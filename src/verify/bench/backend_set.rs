@@ -10,6 +10,7 @@ use crate::geometry::{PathRay, SphereSet};
 use crate::math::Ray;
 
 use super::super::rays;
+use super::MAX_BRUTE_FORCE_SPHERES;
 use super::measurement::{Quartiles, SAMPLES_PER_PIXEL};
 
 /// Number of ray sets that [`BackendSet::ray_sets`] returns.
@@ -89,6 +90,12 @@ impl BackendSet {
     /// Each backend with its acceleration structure, in the order requested.
     pub fn backends(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
         self.built.iter().map(|built| (built.backend, &*built.accel))
+    }
+
+    /// Those with which a render does not take too long: brute force only for few spheres.
+    pub(super) fn feasible_backends(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
+        let is_small = self.spheres.len() as u64 <= MAX_BRUTE_FORCE_SPHERES;
+        self.backends().filter(move |&(backend, _)| is_small || backend != Backend::BruteForce)
     }
 
     pub(super) fn accels(&self) -> impl Iterator<Item = &dyn Accel> {

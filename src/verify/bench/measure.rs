@@ -6,6 +6,7 @@ use crate::accel::{Backend, BuildOptions, BuildQuality};
 use crate::error::Result;
 use crate::generate::Arrangement;
 use crate::geometry::{PathRay, SphereSet};
+use crate::integrator::StageProfile;
 use crate::job::MemoryPlan;
 use crate::task::CancelToken;
 
@@ -48,6 +49,8 @@ pub struct SceneBench {
     pub thread_sweep: Vec<SweepResult>,
     /// Timings of whole renders.
     pub renders: Vec<RenderBench>,
+    /// The stages of a render with each intersector.
+    pub stages: Vec<(Backend, StageProfile)>,
 }
 
 /// A standard scene and its measurements.
@@ -133,6 +136,7 @@ impl BenchPlan {
             batch_sweep,
             thread_sweep: scaling,
             renders: Vec::new(),
+            stages: Vec::new(),
         })
     }
 }

@@ -9,6 +9,7 @@ mod measure;
 mod measurement;
 mod record;
 mod render_bench;
+mod stage_bench;
 mod standard_scene;
 mod sweep;
 
@@ -25,6 +26,7 @@ pub use measure::{BenchPlan, SceneBench, Suite, SuiteEntry, SuiteEvent};
 pub use measurement::{Quartiles, QueryKind};
 pub use record::Record;
 pub use render_bench::{RenderBench, bench_renders};
+pub use stage_bench::bench_stages;
 pub use standard_scene::StandardScene;
 pub use sweep::{SweepPoint, SweepResult, sweep};
 

@@ -13,7 +13,7 @@ use crate::math::{Hit, Ray};
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
-use super::{BackendSet, MAX_BRUTE_FORCE_SPHERES, Quartiles};
+use super::{BackendSet, Quartiles};
 
 /// Timings of renders with one intersector.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,11 +45,8 @@ pub fn bench_renders(
     rounds: usize,
     cancel: &CancelToken,
 ) -> Result<Vec<RenderBench>> {
-    let is_small = backend_set.spheres().len() as u64 <= MAX_BRUTE_FORCE_SPHERES;
-    let is_feasible =
-        |(backend, _): &(Backend, &dyn Accel)| is_small || *backend != Backend::BruteForce;
     let mut runs: Vec<RenderRun<'_>> =
-        backend_set.backends().filter(is_feasible).map(RenderRun::new).collect();
+        backend_set.feasible_backends().map(RenderRun::new).collect();
     for _ in 0..rounds.max(1) {
         for run in &mut runs {
             run.repeat(prepared, cancel)?;

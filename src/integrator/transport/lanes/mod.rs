@@ -21,6 +21,7 @@ use crate::math::{Hit, Isa};
 use crate::sampling::{Hemisphere, SamplerKind};
 use crate::scene::Surface;
 
+use super::super::profile::Stage;
 use super::super::trace::PathRecorder;
 use super::batch::PathBatch;
 use super::paths::{PathState, StageQueues};
@@ -154,19 +155,26 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if batch.count == 0 {
             return;
         }
+        self.clock.end(Stage::Sorting);
+        self.clock.count(batch.count, 0);
         isa.run(Intersect { batch });
+        self.clock.end(Stage::HitPoints);
         let needs = self.needs(kind, batch);
         isa.run(DrawNumbers { batch, needs });
+        self.clock.end(Stage::RandomNumbers);
         if needs.light {
             self.sample_lights(isa, kind, batch);
         }
+        self.clock.end(Stage::LightSamples);
         match kind {
             VertexKind::Diffuse => {
                 isa.run(ScatterDiffuse { batch, estimator: self.integrator.estimator });
+                self.clock.end(Stage::Directions);
                 self.finish_lanes(batch, queues, Self::finish_diffuse);
             }
             VertexKind::Mirror => {
                 isa.run(ReflectAtMirror { batch });
+                self.clock.end(Stage::Directions);
                 self.finish_lanes(batch, queues, Self::finish_mirror);
             }
             VertexKind::SmoothDielectric | VertexKind::Other => {
@@ -174,6 +182,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             }
         }
         batch.count = 0;
+        self.clock.end(Stage::Finishing);
     }
 
     /// Returns the random numbers that a batch needs.
