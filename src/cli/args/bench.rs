@@ -16,7 +16,7 @@ Examples:
   photosphere bench scenes/paper/fig2.toml
   photosphere bench grains.toml --accel native --threads 1 --rounds 9 --json
   photosphere bench grains.toml --batch 1,16,64,512 --scaling --svg bars.svg
-  photosphere bench grains.toml --render --stages --set render.samples_per_pixel=16
+  photosphere bench grains.toml --render --stages --threads 1
   photosphere bench --suite speed.html --largest 1e6
   photosphere bench --record record.txt --rounds 9
 
