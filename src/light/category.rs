@@ -41,9 +41,11 @@ impl CategoryPmf {
         };
         let importance = [emitters, environment_map, sun];
         let total: f64 = importance.iter().sum();
-        let count = importance.iter().filter(|&&importance| importance > 0.0).count() as f64;
+        let count: u32 = importance.iter().map(|&importance| u32::from(importance > 0.0)).sum();
+        let uniform = UNIFORM_FRACTION / f64::from(count);
+        let per_importance = (1.0 - UNIFORM_FRACTION) / total;
         let probability = |importance| match importance > 0.0 {
-            true => UNIFORM_FRACTION / count + (1.0 - UNIFORM_FRACTION) * importance / total,
+            true => uniform + per_importance * importance,
             false => 0.0,
         };
         (total > 0.0).then(|| Self { probabilities: importance.map(probability) })

@@ -29,6 +29,7 @@ use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
 use category::{CategoryPmf, LightCategory};
+use environment::MapSample;
 use light_sampler::LightSampler;
 use visible_emitter::VisibleEmitter;
 
@@ -154,15 +155,18 @@ impl Lights {
     ) -> Option<LightSample> {
         let category_pmf = self.category_pmf(ctx)?;
         let (category, probability, u_select) = category_pmf.sample(u_select);
-        let direction = match category {
+        let MapSample { direction, radiance, pdf: map_pdf } = match category {
             LightCategory::Emitters => {
                 return self.sample_emitter(spheres, ctx, probability, u_select, u);
             }
             LightCategory::EnvironmentMap => self.environment.sample(u)?,
-            LightCategory::Sun => self.environment.sun()?.sample(u),
+            LightCategory::Sun => {
+                let direction = self.environment.sun()?.sample(u);
+                let (radiance, pdf) = self.environment.radiance_and_pdf(direction);
+                MapSample { direction, radiance, pdf }
+            }
         };
         let source = LightSource::Environment;
-        let (radiance, map_pdf) = self.environment.radiance_and_pdf(direction);
         let pdf = self.environment_pdf(&category_pmf, direction, map_pdf);
         let sample = LightSample {
             source,
@@ -233,8 +237,7 @@ impl Lights {
             LightSource::Emitter(id) => (id, false),
             LightSource::FarWall(id) => (id, true),
             LightSource::Environment => {
-                let map = category_pmf.pmf(LightCategory::EnvironmentMap);
-                let map_pdf = if map > 0.0 { self.environment.pdf(direction) } else { 0.0 };
+                let map_pdf = self.environment.pdf(direction);
                 return self.environment_pdf(&category_pmf, direction, map_pdf);
             }
         };
@@ -249,6 +252,17 @@ impl Lights {
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
         visible.pdf(direction) * pmf * wall_pmf
+    }
+
+    /// Returns [`Self::pdf`] of the environment for a direction, given the pdf of its map.
+    pub fn pdf_of_environment(
+        &self,
+        ctx: &LightSampleContext,
+        direction: DVec3,
+        map_pdf: f64,
+    ) -> f64 {
+        let pdf = |pmf: CategoryPmf| self.environment_pdf(&pmf, direction, map_pdf);
+        self.category_pmf(ctx).map_or(0.0, pdf)
     }
 
     /// Returns true if light samples at a shading point have no variance but that of visibility: at

@@ -81,19 +81,24 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if self.retry_camera_ray(path) {
             return Some(path.ray);
         }
-        let (scene, direction) = (self.context.scene, path.ray.direction);
-        let radiance = if path.state.depth == 1 {
+        let (lights, direction) = (self.context.prepared.lights(), path.ray.direction);
+        let state = &path.state;
+        let (mut radiance, map_pdf) = lights.environment().radiance_and_pdf(direction);
+        if state.depth == 1 {
             // The path has not scattered yet: it comes straight from the camera.
-            let radiance = scene.camera_background(direction);
-            self.set_background_alpha(&path.state);
-            self.record_background(path, radiance.direct);
-            radiance.direct
-        } else {
-            scene.background_radiance(direction)
+            if !self.context.scene.camera_sees_background() {
+                radiance = Rgb::ZERO;
+            }
+            self.set_background_alpha(state);
+            self.record_background(path, radiance);
+        } else if fault!(BackgroundCameraOnly) {
+            radiance = Rgb::ZERO;
+        }
+        let spheres = self.context.scene.spheres();
+        let pdf_light = |prev: &PrevVertex| {
+            lights.pdf_of_environment(&prev.light_sample_context(spheres), direction, map_pdf)
         };
-        let is_dropped = path.state.depth > 1 && fault!(BackgroundCameraOnly);
-        let radiance = if is_dropped { Rgb::ZERO } else { radiance };
-        self.add_emission(&path.state, direction, LightSource::Environment, radiance);
+        self.add_weighted_emission(state, LightSource::Environment, radiance, pdf_light);
         self.terminate(Termination::Escaped)
     }
 
@@ -263,11 +268,28 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         source: LightSource,
         radiance: Rgb,
     ) {
+        let (spheres, lights) = (self.context.scene.spheres(), self.context.prepared.lights());
+        let pdf_light = |prev: &PrevVertex| {
+            lights.pdf(spheres, &prev.light_sample_context(spheres), source, direction)
+        };
+        self.add_weighted_emission(state, source, radiance, pdf_light);
+    }
+
+    /// As [`Self::add_emission`], given the pdf with which light sampling at the previous vertex
+    /// would have sampled the path's direction.
+    fn add_weighted_emission(
+        &mut self,
+        state: &PathState,
+        source: LightSource,
+        radiance: Rgb,
+        pdf_light: impl Fn(&PrevVertex) -> f64,
+    ) {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
+        let prev = self.prev_vertex(state).filter(|_| self.samples_lights());
+        let pdf_light = prev.map_or(0.0, pdf_light);
         let prev = self.prev_vertex(state);
-        let pdf_light = prev.map_or(0.0, |prev| self.pdf_light(direction, prev, source));
         let pdf = prev.map(|prev| prev.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
@@ -297,19 +319,5 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let spheres = self.context.scene.spheres();
         let lights = self.context.prepared.lights();
         prev.is_some_and(|prev| lights.is_exact(spheres, &prev.light_sample_context(spheres)))
-    }
-
-    /// Returns the pdf with which light sampling would have sampled the path's current direction.
-    fn pdf_light(&self, direction: DVec3, prev: &PrevVertex, source: LightSource) -> f64 {
-        if self.integrator.estimator == Estimator::Bsdf {
-            return 0.0;
-        }
-        let scene = self.context.scene;
-        self.context.prepared.lights().pdf(
-            scene.spheres(),
-            &prev.light_sample_context(scene.spheres()),
-            source,
-            direction,
-        )
     }
 }

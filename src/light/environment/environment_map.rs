@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::color::{Rgb, luminance};
 use crate::math::DVec3;
-use crate::sampling::{DiscreteDistribution, atan2, cos, sin_cos};
+use crate::sampling::{DiscreteDistribution, atan2, cos, sin_cos_2pi};
 
 /// Minimum sampling weight of a node, as a fraction of its luminance.
 const MIN_WEIGHT_FRACTION: f64 = 0.1;
@@ -37,6 +37,17 @@ pub struct EnvironmentMap {
     cell_distributions: Vec<Option<DiscreteDistribution>>,
     /// Integral of the sampling function over all directions.
     total_weight: f64,
+}
+
+/// A direction of a map, with its radiance and the pdf of sampling it per solid angle.
+#[derive(Clone, Copy, Debug)]
+pub struct MapSample {
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Radiance from there.
+    pub radiance: Rgb,
+    /// The pdf, as [`EnvironmentMap::pdf`] returns it.
+    pub pdf: f64,
 }
 
 /// A direction's position in the grid.
@@ -140,8 +151,8 @@ impl EnvironmentMap {
         sum.as_vec3()
     }
 
-    /// Samples a unit direction, from `u` in `[0, 1)^2`; `None` for a constant map.
-    pub fn sample(&self, u: [f64; 2]) -> Option<DVec3> {
+    /// Samples a direction, from `u` in `[0, 1)^2`; `None` for a constant map.
+    pub fn sample(&self, u: [f64; 2]) -> Option<MapSample> {
         let bands = self.band_distribution.as_ref()?;
         let band = bands.sample(u[0]);
         let cells = self.cell_distributions[band].as_ref()?;
@@ -151,9 +162,14 @@ impl EnvironmentMap {
         let [left, right] = [a + (c - a) * down, b + (d - b) * down];
         let across = sample_linear(left, right, cells.remap(column, u[1]));
         let height = self.heights[band] - down * (self.heights[band] - self.heights[band + 1]);
-        let (sin, cos) = sin_cos((column as f64 + 0.5 + across) / self.columns as f64 * TAU);
+        let (sin, cos) = sin_cos_2pi((column as f64 + 0.5 + across) / self.columns as f64);
         let sin_theta = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
-        Some(DVec3::new(-sin_theta * sin, height, sin_theta * cos))
+        let position = GridPosition { band, column, across, down };
+        Some(MapSample {
+            direction: DVec3::new(-sin_theta * sin, height, sin_theta * cos),
+            radiance: self.radiance_at(&position),
+            pdf: self.pdf_at(&position),
+        })
     }
 
     /// Returns the pdf of [`Self::sample`] per solid angle.
@@ -246,6 +262,7 @@ fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::sin_cos;
 
     /// Integral over all directions by the midpoint rule, in W/m^2: exact up to the kinks at nodes.
     fn integral(map: &EnvironmentMap, columns: usize) -> f64 {

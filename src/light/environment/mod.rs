@@ -5,11 +5,12 @@ mod sky;
 mod sun;
 
 pub use environment_map::EnvironmentMap;
+pub(super) use environment_map::MapSample;
 pub use sky::Sky;
 pub use sun::SunLight;
 
 use crate::color::Rgb;
-use crate::math::{DVec3, Frame};
+use crate::math::{DVec3, Frame, renormalize};
 use crate::sampling::sin_cos;
 
 use super::context::LightSampleContext;
@@ -89,10 +90,11 @@ impl Environment {
     }
 
     /// Returns the radiance from a unit direction, and the pdf of [`Self::sample`] per solid angle.
-    pub(super) fn radiance_and_pdf(&self, direction: DVec3) -> (Rgb, f64) {
-        let local = self.orientation.to_local(direction);
-        let (map, pdf) = self.map.radiance_and_pdf(local);
-        let map = self.constant.unwrap_or(map);
+    pub(crate) fn radiance_and_pdf(&self, direction: DVec3) -> (Rgb, f64) {
+        let (map, pdf) = match self.constant {
+            Some(radiance) => (radiance, 0.0),
+            None => self.map.radiance_and_pdf(self.orientation.to_local(direction)),
+        };
         (self.sun.map_or(map, |sun| map + sun.radiance(direction)), pdf)
     }
 
@@ -130,9 +132,13 @@ impl Environment {
         mean_cosine * self.map.total_weight()
     }
 
-    /// Samples a direction of the environment map; `None` if it is constant.
-    pub(super) fn sample(&self, u: [f64; 2]) -> Option<DVec3> {
-        Some(self.orientation.axes.to_world(self.map.sample(u)?).normalize())
+    /// Samples a direction of the environment map, with the radiance of all that is there and the
+    /// pdf per solid angle; `None` if the map is constant.
+    pub(super) fn sample(&self, u: [f64; 2]) -> Option<MapSample> {
+        let MapSample { direction, radiance, pdf } = self.map.sample(u)?;
+        let direction = renormalize(self.orientation.axes.to_world(direction));
+        let radiance = self.sun.map_or(radiance, |sun| radiance + sun.radiance(direction));
+        Some(MapSample { direction, radiance, pdf })
     }
 
     /// Returns the pdf of [`Self::sample`] per solid angle.

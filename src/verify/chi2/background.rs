@@ -80,7 +80,10 @@ fn environment_test(name: &str, map: EnvironmentMap) -> SamplingTest {
     let pdf_map = map.clone();
     SamplingTest::over_sphere(
         format!("background: {name}"),
-        move |u| map.sample([u[0], u[1]]).map(|w| DVec3::new(w.x, -w.z, w.y)),
+        move |u| {
+            let direction = map.sample([u[0], u[1]])?.direction;
+            Some(DVec3::new(direction.x, -direction.z, direction.y))
+        },
         move |w| pdf_map.pdf(DVec3::new(w.x, w.z, -w.y)),
     )
 }
