@@ -16,21 +16,27 @@ pub(super) enum LightCategory {
     Sun,
 }
 
-/// The probability of each category, in the order of the enum.
-pub(super) struct CategoryPmf {
+/// The probability of each category of lights (emitters, environment map, sun), in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CategoryPmf {
     probabilities: [f64; 3],
 }
 
 impl CategoryPmf {
-    /// `None` if no light can be sampled.
+    /// No light can be sampled.
+    pub const NONE: Self = Self { probabilities: [0.0; 3] };
+    /// Only emitters can be sampled.
+    pub const EMITTERS: Self = Self { probabilities: [1.0, 0.0, 0.0] };
+
+    /// The probabilities at a shading point.
     pub(super) fn new(
         light_sampler: &LightSampler,
         has_emitters: bool,
         environment: &Environment,
         ctx: &LightSampleContext,
-    ) -> Option<Self> {
+    ) -> Self {
         if !environment.is_sampled() {
-            return has_emitters.then_some(Self { probabilities: [1.0, 0.0, 0.0] });
+            return if has_emitters { Self::EMITTERS } else { Self::NONE };
         }
         let sun = environment.sun().map_or(0.0, |sun| sun.importance(ctx));
         let environment_map = environment.importance(ctx);
@@ -48,7 +54,12 @@ impl CategoryPmf {
             true => uniform + per_importance * importance,
             false => 0.0,
         };
-        (total > 0.0).then(|| Self { probabilities: importance.map(probability) })
+        if total > 0.0 { Self { probabilities: importance.map(probability) } } else { Self::NONE }
+    }
+
+    /// Returns true if no light can be sampled.
+    pub(super) fn is_none(&self) -> bool {
+        *self == Self::NONE
     }
 
     /// Returns the probability of a category.

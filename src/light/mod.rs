@@ -15,6 +15,7 @@ mod light_sampler;
 mod light_tree;
 mod visible_emitter;
 
+pub use category::CategoryPmf;
 pub use context::LightSampleContext;
 pub use cut::{EmitterCut, EmitterCuts};
 pub use emitter::Emitter;
@@ -28,7 +29,7 @@ use crate::color::Rgb;
 use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
-use category::{CategoryPmf, LightCategory};
+use category::LightCategory;
 use environment::MapSample;
 use light_sampler::LightSampler;
 use visible_emitter::VisibleEmitter;
@@ -153,7 +154,21 @@ impl Lights {
         u_select: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let category_pmf = self.category_pmf(ctx)?;
+        self.sample_by(&self.category_pmf(ctx), spheres, ctx, u_select, u)
+    }
+
+    /// As [`Self::sample`], with the probabilities of [`Self::category_pmf`] at this point.
+    pub fn sample_by(
+        &self,
+        category_pmf: &CategoryPmf,
+        spheres: &SphereSet,
+        ctx: &LightSampleContext,
+        u_select: f64,
+        u: [f64; 2],
+    ) -> Option<LightSample> {
+        if category_pmf.is_none() {
+            return None;
+        }
         let (category, probability, u_select) = category_pmf.sample(u_select);
         let MapSample { direction, radiance, pdf: map_pdf } = match category {
             LightCategory::Emitters => {
@@ -167,7 +182,7 @@ impl Lights {
             }
         };
         let source = LightSource::Environment;
-        let pdf = self.environment_pdf(&category_pmf, direction, map_pdf);
+        let pdf = self.environment_pdf(category_pmf, direction, map_pdf);
         let sample = LightSample {
             source,
             direction,
@@ -232,13 +247,24 @@ impl Lights {
         source: LightSource,
         direction: DVec3,
     ) -> f64 {
-        let Some(category_pmf) = self.category_pmf(ctx) else { return 0.0 };
+        self.pdf_by(&self.category_pmf(ctx), spheres, ctx, source, direction)
+    }
+
+    /// As [`Self::pdf`], with the probabilities of [`Self::category_pmf`] at this point.
+    pub fn pdf_by(
+        &self,
+        category_pmf: &CategoryPmf,
+        spheres: &SphereSet,
+        ctx: &LightSampleContext,
+        source: LightSource,
+        direction: DVec3,
+    ) -> f64 {
         let (id, is_far) = match source {
             LightSource::Emitter(id) => (id, false),
             LightSource::FarWall(id) => (id, true),
             LightSource::Environment => {
                 let map_pdf = self.environment.pdf(direction);
-                return self.environment_pdf(&category_pmf, direction, map_pdf);
+                return self.environment_pdf(category_pmf, direction, map_pdf);
             }
         };
         let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
@@ -252,17 +278,6 @@ impl Lights {
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
         visible.pdf(direction) * pmf * wall_pmf
-    }
-
-    /// Returns [`Self::pdf`] of the environment for a direction, given the pdf of its map.
-    pub fn pdf_of_environment(
-        &self,
-        ctx: &LightSampleContext,
-        direction: DVec3,
-        map_pdf: f64,
-    ) -> f64 {
-        let pdf = |pmf: CategoryPmf| self.environment_pdf(&pmf, direction, map_pdf);
-        self.category_pmf(ctx).map_or(0.0, pdf)
     }
 
     /// Returns true if light samples at a shading point have no variance but that of visibility: at
@@ -280,18 +295,23 @@ impl Lights {
     /// Returns the probability that [`Self::sample`] selects the environment rather than an
     /// emitter.
     pub fn environment_probability(&self, ctx: &LightSampleContext) -> f64 {
-        let probability = |category_pmf: CategoryPmf| {
-            category_pmf.pmf(LightCategory::EnvironmentMap) + category_pmf.pmf(LightCategory::Sun)
-        };
-        self.category_pmf(ctx).map_or(0.0, probability)
+        let category_pmf = self.category_pmf(ctx);
+        category_pmf.pmf(LightCategory::EnvironmentMap) + category_pmf.pmf(LightCategory::Sun)
     }
 
-    fn category_pmf(&self, ctx: &LightSampleContext) -> Option<CategoryPmf> {
+    /// Returns the probability of each category of lights at a shading point.
+    pub fn category_pmf(&self, ctx: &LightSampleContext) -> CategoryPmf {
         CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, ctx)
     }
 
-    /// A direction to the sun is also one to the environment map, so their pdfs add up.
-    fn environment_pdf(&self, category_pmf: &CategoryPmf, direction: DVec3, map_pdf: f64) -> f64 {
+    /// Returns [`Self::pdf_by`] of the environment, given the pdf of its map. A direction to the sun
+    /// is also one to the map, so their pdfs add up.
+    pub fn environment_pdf(
+        &self,
+        category_pmf: &CategoryPmf,
+        direction: DVec3,
+        map_pdf: f64,
+    ) -> f64 {
         let map = category_pmf.pmf(LightCategory::EnvironmentMap);
         let map = if map > 0.0 { map * map_pdf } else { 0.0 };
         let sun = self.environment.sun().map_or(0.0, |sun| sun.pdf(direction));

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::geometry::{PathRay, PathRays, Side, SphereSet, SurfaceHit};
-use crate::light::LightSampleContext;
+use crate::light::{CategoryPmf, LightSampleContext};
 use crate::material::MediumStack;
 use crate::math::{DVec3, NO_SPHERE};
 
@@ -49,6 +49,8 @@ pub(in crate::integrator) struct PrevVertex {
     pub(super) side: Side,
     pub(super) is_two_sided: bool,
     pub(super) is_lambertian: bool,
+    /// With which probabilities it sampled each category of lights.
+    pub(super) lights: CategoryPmf,
 }
 
 /// The paths of a stage.
@@ -154,13 +156,14 @@ impl PrevVertex {
         side: Side::Outside,
         is_two_sided: false,
         is_lambertian: false,
+        lights: CategoryPmf::NONE,
     };
 
     #[inline(always)]
-    pub(super) fn new(from: &LightSampleContext, pdf: f64) -> Self {
+    pub(super) fn new(from: &LightSampleContext, pdf: f64, lights: CategoryPmf) -> Self {
         let LightSampleContext { hit, is_two_sided, is_lambertian } = *from;
         let SurfaceHit { id, point, normal, side, .. } = hit;
-        Self { pdf, point, normal, id, side, is_two_sided, is_lambertian }
+        Self { pdf, point, normal, id, side, is_two_sided, is_lambertian, lights }
     }
 
     /// Returns the shading point of the record; its hit distance is not kept.

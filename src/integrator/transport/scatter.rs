@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::LightSampleContext;
+use crate::light::{CategoryPmf, LightSampleContext};
 use crate::material::{Boundary, BsdfSample, Crossing, Lobe};
 use crate::math::DVec3;
 use crate::scene::settings::PathTermination;
@@ -92,12 +92,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.context.prepared.is_light_trapped(hit.id, hit.point, direction)
     }
 
-    /// Continues the path in the sampled direction `wi`. Returns the ray on which it continues.
+    /// Continues the path in the sampled direction `wi`, from a point that sampled `lights`. Returns the ray on which it continues.
     #[inline(always)]
     pub(super) fn scatter(
         &mut self,
         state: &mut PathState,
-        from: &LightSampleContext,
+        (from, lights): (&LightSampleContext, CategoryPmf),
         sample: &BsdfSample,
         wi: DVec3,
         crossing: Option<Crossing>,
@@ -111,7 +111,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         state.eta_scale *= (eta * eta) as f32;
         state.has_prev_vertex = lobe != Lobe::Delta;
         if state.has_prev_vertex {
-            self.prev_vertices[state.batch_index as usize] = PrevVertex::new(from, pdf);
+            self.prev_vertices[state.batch_index as usize] = PrevVertex::new(from, pdf, lights);
             state.scatter_count += 1;
         }
         if sample.wi.z < 0.0 {

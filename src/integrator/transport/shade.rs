@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::{LightSample, LightSampleContext, LightSource};
+use crate::light::{CategoryPmf, LightSample, LightSampleContext, LightSource};
 use crate::material::{Crossing, Lobe};
 use crate::math::{DVec3, Frame, renormalize};
 use crate::sampling::{Sampler, power_heuristic};
@@ -32,12 +32,12 @@ pub(super) struct SurfaceVertex<'a> {
 
 /// The random numbers of a vertex.
 pub(super) trait VertexNumbers {
-    /// Samples a light.
+    /// Samples a light, and returns the probabilities of all categories of lights as well.
     fn sample_light(
         &self,
         context: RenderContext<'_>,
         ctx: &LightSampleContext,
-    ) -> Option<LightSample>;
+    ) -> (CategoryPmf, Option<LightSample>);
     /// Two numbers for the BSDF's direction.
     fn direction(&self) -> [f64; 2];
     /// For the selection of the BSDF's lobe.
@@ -51,13 +51,15 @@ impl VertexNumbers for (Sampler, VertexDimensions) {
         &self,
         context: RenderContext<'_>,
         ctx: &LightSampleContext,
-    ) -> Option<LightSample> {
+    ) -> (CategoryPmf, Option<LightSample>) {
         let (sampler, vertex) = *self;
         let lights = context.prepared.lights();
         let u = sampler.get_2d(vertex.light_direction());
         let has_choice = lights.needs_selection();
         let u_select = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
-        lights.sample(context.scene.spheres(), ctx, u_select, u)
+        let category_pmf = lights.category_pmf(ctx);
+        let spheres = context.scene.spheres();
+        (category_pmf, lights.sample_by(&category_pmf, spheres, ctx, u_select, u))
     }
 
     fn direction(&self) -> [f64; 2] {
@@ -94,10 +96,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         } else if fault!(BackgroundCameraOnly) {
             radiance = Rgb::ZERO;
         }
-        let spheres = self.context.scene.spheres();
-        let pdf_light = |prev: &PrevVertex| {
-            lights.pdf_of_environment(&prev.light_sample_context(spheres), direction, map_pdf)
-        };
+        let pdf_light =
+            |prev: &PrevVertex| lights.environment_pdf(&prev.lights, direction, map_pdf);
         self.add_weighted_emission(state, LightSource::Environment, radiance, pdf_light);
         self.terminate(Termination::Escaped)
     }
@@ -224,8 +224,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let frame = Frame::from_z(hit.facing_normal());
         let wo = frame.to_local(vertex.wo);
         let may_scatter = self.may_scatter(state);
+        let mut category_pmf = CategoryPmf::NONE;
         if self.samples_lights() && may_scatter && !bsdf.is_delta() {
-            let light = numbers.sample_light(self.context, &ctx);
+            let light;
+            (category_pmf, light) = numbers.sample_light(self.context, &ctx);
             let scattering = Scattering { ctx: &ctx, bsdf: &bsdf, frame: &frame, wo, crossing };
             if let Some(light) = light {
                 self.add_light_sample(state, &scattering, light, shadow_queue);
@@ -246,7 +248,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if self.is_trapped(state, hit, &sample, eta, direction) {
             return self.terminate(Termination::Trapped);
         }
-        self.scatter(state, &ctx, &sample, renormalize(direction), crossing, numbers)
+        let from = (&ctx, category_pmf);
+        self.scatter(state, from, &sample, renormalize(direction), crossing, numbers)
     }
 
     /// Returns true if paths sample lights.
@@ -270,7 +273,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     ) {
         let (spheres, lights) = (self.context.scene.spheres(), self.context.prepared.lights());
         let pdf_light = |prev: &PrevVertex| {
-            lights.pdf(spheres, &prev.light_sample_context(spheres), source, direction)
+            let ctx = prev.light_sample_context(spheres);
+            lights.pdf_by(&prev.lights, spheres, &ctx, source, direction)
         };
         self.add_weighted_emission(state, source, radiance, pdf_light);
     }

@@ -2,7 +2,7 @@
 
 use crate::fault::fault;
 use crate::geometry::PathRay;
-use crate::light::{LightSample, LightSampleContext};
+use crate::light::{CategoryPmf, LightSample, LightSampleContext};
 use crate::material::{BsdfSample, Diffuse, Lobe};
 use crate::math::DVec3;
 
@@ -27,12 +27,13 @@ impl VertexNumbers for LaneNumbers<'_> {
         &self,
         context: RenderContext<'_>,
         ctx: &LightSampleContext,
-    ) -> Option<LightSample> {
+    ) -> (CategoryPmf, Option<LightSample>) {
         let Self { batch, lane } = *self;
         if batch.light.is_missing.0[lane] {
             return sample_light_in_lane(context, ctx, batch, lane);
         }
-        (batch.light.pdf.0[lane] > 0.0).then(|| batch.light.get(lane))
+        let sample = (batch.light.pdf.0[lane] > 0.0).then(|| batch.light.get(lane));
+        (batch.light.categories[lane], sample)
     }
 
     #[inline(always)]
@@ -151,6 +152,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     ) -> Option<PathRay> {
         state.total_reflections = 0;
         let direction = batch.bsdf.direction.get(lane);
-        self.scatter(state, ctx, sample, direction, None, &LaneNumbers { batch, lane })
+        let from = (ctx, batch.light.categories[lane]);
+        self.scatter(state, from, sample, direction, None, &LaneNumbers { batch, lane })
     }
 }

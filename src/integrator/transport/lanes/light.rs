@@ -1,6 +1,6 @@
 //! Light samples in lanes.
 
-use crate::light::{LightSample, LightSampleContext};
+use crate::light::{CategoryPmf, LightSample, LightSampleContext};
 use crate::math::Isa;
 
 use super::super::super::context::RenderContext;
@@ -20,6 +20,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             batch.light.is_missing.0.fill(true);
             return self.sample_missing_lights(kind, batch);
         };
+        batch.light.categories.fill(CategoryPmf::EMITTERS);
         let sphere = self.context.scene.spheres().sphere(emitter.id);
         match (kind, lights.single_emitter_cut()) {
             (VertexKind::Diffuse, None) => {
@@ -48,7 +49,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             if batch.light.is_missing.0[lane] {
                 let hit = batch.hit(lane);
                 let ctx = LightSampleContext { hit, is_two_sided: false, is_lambertian: true };
-                let sample = sample_light_in_lane(self.context, &ctx, batch, lane);
+                let (category_pmf, sample) = sample_light_in_lane(self.context, &ctx, batch, lane);
+                batch.light.categories[lane] = category_pmf;
                 batch.light.set(lane, sample);
             }
         }
@@ -61,8 +63,10 @@ pub(super) fn sample_light_in_lane(
     ctx: &LightSampleContext,
     batch: &VertexBatch,
     lane: usize,
-) -> Option<LightSample> {
+) -> (CategoryPmf, Option<LightSample>) {
     let u = VertexBatch::pair(&batch.numbers.light, lane);
     let u_select = batch.numbers.light_selection.0[lane];
-    context.prepared.lights().sample(context.scene.spheres(), ctx, u_select, u)
+    let (lights, spheres) = (context.prepared.lights(), context.scene.spheres());
+    let category_pmf = lights.category_pmf(ctx);
+    (category_pmf, lights.sample_by(&category_pmf, spheres, ctx, u_select, u))
 }

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::{LaneLightSample, LanePoint, LightSample, LightSource};
+use crate::light::{CategoryPmf, LaneLightSample, LanePoint, LightSample, LightSource};
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
@@ -73,7 +73,6 @@ pub(super) struct NumberLanes {
 }
 
 /// Light samples.
-#[derive(Default)]
 pub(super) struct LightSampleLanes {
     pub(super) direction: Lanes3,
     pub(super) distance: Lanes<f64>,
@@ -86,6 +85,8 @@ pub(super) struct LightSampleLanes {
     /// `weight cos / pdf`.
     pub(super) mis_factor: Lanes<f32>,
     pub(super) sources: [SampledSource; LANES],
+    /// The probabilities of each category of lights.
+    pub(super) categories: [CategoryPmf; LANES],
 }
 
 /// The light of a light sample.
@@ -100,6 +101,21 @@ pub(super) struct SampledSource {
 pub(super) struct BsdfSampleLanes {
     pub(super) direction: Lanes3,
     pub(super) pdf: Lanes<f64>,
+}
+
+impl Default for LightSampleLanes {
+    fn default() -> Self {
+        Self {
+            direction: Lanes3::default(),
+            distance: Lanes::default(),
+            pdf: Lanes::default(),
+            is_exact: Lanes::default(),
+            is_missing: Lanes::default(),
+            mis_factor: Lanes::default(),
+            sources: [SampledSource::default(); LANES],
+            categories: [CategoryPmf::NONE; LANES],
+        }
+    }
 }
 
 impl Default for SampledSource {
