@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::format::Format;
 use super::model::{Cell, LengthUnit};
+use super::trouble::Trouble;
 
 /// What to read.
 #[derive(Clone, Debug)]
@@ -106,5 +107,21 @@ impl Wanted {
             Self::All => true,
             Self::Only(names) => names.iter().any(|wanted| wanted.eq_ignore_ascii_case(name)),
         }
+    }
+
+    /// Refuses names that are not among those of a file.
+    pub(super) fn check<'n>(
+        &self,
+        names: impl Iterator<Item = &'n str> + Clone,
+    ) -> Result<(), Trouble> {
+        let Self::Only(wanted) = self else { return Ok(()) };
+        let is_missing = |wanted: &&String| !names.clone().any(|n| n.eq_ignore_ascii_case(wanted));
+        let Some(missing) = wanted.iter().find(is_missing) else { return Ok(()) };
+        let all: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+        let help = match all.len() {
+            0 => "it has positions only".to_owned(),
+            _ => format!("it has the columns {}", all.join(", ")),
+        };
+        Err(Trouble::new(format!("there is no column `{missing}`")).with_help(help))
     }
 }

@@ -1,0 +1,5 @@
+//! One file for each format.
+
+mod extended_xyz;
+pub(super) mod lammps_dump;
+pub(super) mod xyz;
