@@ -87,6 +87,25 @@ const ROLES: [(Role, &[&str]); 13] = [
     (Role::Transparency, &["transparency"]),
 ];
 
+/// A name without a unit in brackets at its end, as in `x [mm]`.
+pub(super) fn base_name(name: &str) -> &str {
+    let name = name.trim();
+    let open = match name.chars().last() {
+        Some(']') => name.rfind('['),
+        Some(')') => name.rfind('('),
+        _ => None,
+    };
+    let base = open.map_or(name, |open| name[..open].trim_end());
+    // `f_a[2]` is a name as it is.
+    let has_gap = open.is_some_and(|open| name[..open].ends_with(char::is_whitespace));
+    if has_gap && !base.is_empty() { base } else { name }
+}
+
+/// Returns true if a column with this name is meant by `wanted`: case and a unit do not matter.
+pub(super) fn is_called(name: &str, wanted: &str) -> bool {
+    name.eq_ignore_ascii_case(wanted) || base_name(name).eq_ignore_ascii_case(wanted)
+}
+
 impl Role {
     /// The names that columns with this role have, in lower case, the usual one first.
     pub fn names(self) -> &'static [&'static str] {
@@ -95,7 +114,7 @@ impl Role {
 
     /// The role of a column with this name; case does not matter.
     pub fn of(name: &str) -> Option<Self> {
-        let name = name.to_ascii_lowercase();
+        let name = base_name(name).to_ascii_lowercase();
         ROLES.iter().find(|(_, names)| names.contains(&&*name)).map(|(role, _)| *role)
     }
 }

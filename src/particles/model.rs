@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::math::DVec3;
 
-use super::column::{Column, Role};
+use super::column::{Column, Role, is_called};
 use super::format::Format;
 
 /// One frame of a file.
@@ -78,6 +78,23 @@ impl LengthUnit {
 }
 
 impl Particles {
+    /// Positions, and nothing else.
+    pub(super) fn new(path: PathBuf, format: Format, positions: Positions) -> Self {
+        Self {
+            path,
+            format,
+            positions,
+            columns: Vec::new(),
+            cell: None,
+            frame: 0,
+            time: None,
+            title: None,
+            unit: None,
+            first_line: None,
+            notes: Vec::new(),
+        }
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.positions.len()
@@ -88,10 +105,10 @@ impl Particles {
         self.len() == 0
     }
 
-    /// The column with this name: exactly, or else regardless of case.
+    /// The column with this name: exactly, or else regardless of case and of a unit in brackets.
     pub fn column(&self, name: &str) -> Option<&Column> {
         let exact = self.columns.iter().find(|column| column.name == name);
-        exact.or_else(|| self.columns.iter().find(|c| c.name.eq_ignore_ascii_case(name)))
+        exact.or_else(|| self.columns.iter().find(|column| is_called(&column.name, name)))
     }
 
     /// The column with this role, by the order of its usual names.

@@ -7,6 +7,7 @@ use crate::error::Result;
 use super::detect::detect;
 use super::format::Format;
 use super::formats::lammps_dump::LammpsDump;
+use super::formats::table;
 use super::formats::xyz::Xyz;
 use super::frames;
 use super::model::Particles;
@@ -75,6 +76,11 @@ fn read_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Particles> {
     match format {
         Format::Xyz => frames::read(Xyz { names: names() }, source, frame, request),
         Format::LammpsDump => frames::read(LammpsDump { names: names() }, source, frame, request),
+        Format::Csv | Format::Table => {
+            only_frame(frame)?;
+            let can_reopen = source.path != Path::new("-");
+            table::read(source, open, can_reopen, request)
+        }
         _ => todo(format),
     }
 }
@@ -87,6 +93,10 @@ fn survey_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Survey> {
     match format {
         Format::Xyz => frames::survey(Xyz { names: names() }, source, frame),
         Format::LammpsDump => frames::survey(LammpsDump { names: names() }, source, frame),
+        Format::Csv | Format::Table => {
+            only_frame(frame)?;
+            table::survey(&source, request)
+        }
         _ => todo(format),
     }
 }
@@ -96,8 +106,17 @@ fn count(format: Format, source: Source, request: &ReadRequest) -> Outcome<u64> 
     match format {
         Format::Xyz => frames::count(Xyz { names: names() }, source),
         Format::LammpsDump => frames::count(LammpsDump { names: names() }, source),
+        Format::Csv | Format::Table => Ok(1),
         _ => todo(format),
     }
+}
+
+/// Refuses frames of a format that has one.
+fn only_frame(frame: u64) -> Outcome<()> {
+    if frame == 0 {
+        return Ok(());
+    }
+    Err(Trouble::new(format!("it has 1 frame, and no frame {frame} (the first is 0)")).into())
 }
 
 fn todo<T>(format: Format) -> Outcome<T> {

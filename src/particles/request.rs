@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::column::is_called;
 use super::format::Format;
 use super::model::{Cell, LengthUnit};
+use super::source::Source;
 use super::trouble::Trouble;
 
 /// What to read.
@@ -100,12 +102,31 @@ impl Default for ReadRequest {
     }
 }
 
+impl Survey {
+    /// A file of a format, with nothing known of it.
+    pub(super) fn new(source: &Source, format: Format) -> Self {
+        Self {
+            path: source.path.clone(),
+            format,
+            compression: source.compression,
+            frames: None,
+            count: None,
+            columns: Vec::new(),
+            cell: None,
+            time: None,
+            title: None,
+            unit: None,
+            position_bytes: 24,
+        }
+    }
+}
+
 impl Wanted {
     /// Returns true if the column with this name is read.
     pub fn has(&self, name: &str) -> bool {
         match self {
             Self::All => true,
-            Self::Only(names) => names.iter().any(|wanted| wanted.eq_ignore_ascii_case(name)),
+            Self::Only(names) => names.iter().any(|wanted| is_called(name, wanted)),
         }
     }
 
@@ -115,7 +136,7 @@ impl Wanted {
         names: impl Iterator<Item = &'n str> + Clone,
     ) -> Result<(), Trouble> {
         let Self::Only(wanted) = self else { return Ok(()) };
-        let is_missing = |wanted: &&String| !names.clone().any(|n| n.eq_ignore_ascii_case(wanted));
+        let is_missing = |wanted: &&String| !names.clone().any(|name| is_called(name, wanted));
         let Some(missing) = wanted.iter().find(is_missing) else { return Ok(()) };
         let all: Vec<String> = names.map(|name| format!("`{name}`")).collect();
         let help = match all.len() {

@@ -2,4 +2,5 @@
 
 mod extended_xyz;
 pub(super) mod lammps_dump;
+pub(super) mod table;
 pub(super) mod xyz;

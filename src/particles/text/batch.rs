@@ -2,7 +2,7 @@
 
 use crate::particles::column::ColumnData;
 
-use super::number::{float, integer};
+use super::number::{float, integer, is_missing};
 use super::words::Words;
 
 /// Parsed rows.
@@ -57,18 +57,33 @@ impl Values {
         match self {
             Self::F64(values) => match float(token) {
                 Some(value) => values.push(value),
-                None => return false,
+                None => return self.push_missing(token),
             },
             Self::Text(words) => words.push(token),
             Self::I32(_) | Self::I64(_) => match integer(token) {
                 Some(value) => self.push_integer(value),
                 None => match float(token) {
                     Some(value) => self.push_float(value),
-                    None => return false,
+                    None => return self.push_missing(token),
                 },
             },
         }
         true
+    }
+
+    /// Appends NaN for a missing value; false if the token is something else.
+    #[cold]
+    fn push_missing(&mut self, token: &[u8]) -> bool {
+        let is_missing = is_missing(token);
+        if is_missing {
+            self.push_float(f64::NAN);
+        }
+        is_missing
+    }
+
+    /// Returns true for words.
+    pub(in crate::particles) fn is_text(&self) -> bool {
+        matches!(self, Self::Text(_))
     }
 
     /// Appends an integer to a column of numbers.
@@ -205,7 +220,8 @@ mod tests {
         assert_eq!(column(&["1", "2.5", "3"]), ColumnData::F64(vec![1.0, 2.5, 3.0]));
         assert_eq!(column(&["3000000000", "1e3"]), ColumnData::F64(vec![3e9, 1e3]));
         assert!(!Values::new(Kind::I32).push(b"abc"));
-        assert!(!Values::new(Kind::F64).push(b""));
+        assert!(!Values::new(Kind::F64).push(b"1.2.3"));
+        assert!(Values::new(Kind::I32).push(b"NA"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Rows of values between white space, where a header says what each value is.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use crate::particles::request::{ColumnInfo, ColumnKind, Wanted};
 use crate::particles::trouble::{Trouble, plural, shown};
 
@@ -108,6 +110,8 @@ pub(in crate::particles) struct SpacedRows {
     /// Values up to here are parsed.
     last: usize,
     allows_more: bool,
+    /// The value that should have been a number, after an error.
+    wrong: AtomicUsize,
 }
 
 impl SpacedRows {
@@ -117,7 +121,12 @@ impl SpacedRows {
         let names = fields.0.iter().map(|field| field.name.clone()).collect();
         let is_used = |is: &FieldUse| *is != FieldUse::Skipped;
         let last = uses.iter().rposition(is_used).map_or(0, |last| last + 1);
-        Self { uses, names, last, allows_more }
+        Self { uses, names, last, allows_more, wrong: AtomicUsize::new(usize::MAX) }
+    }
+
+    /// The value that should have been a number, after an error.
+    pub(in crate::particles) fn wrong_field(&self) -> Option<usize> {
+        Some(self.wrong.load(Ordering::Relaxed)).filter(|&at| at != usize::MAX)
     }
 
     /// The names of all values from one on.
@@ -143,7 +152,10 @@ impl SpacedRows {
     fn wrong_value(&self, at: usize, token: &[u8]) -> String {
         let what = match self.uses[at] {
             FieldUse::Position(_) => "a finite number",
-            _ => "a number",
+            _ => {
+                self.wrong.store(at, Ordering::Relaxed);
+                "a number"
+            }
         };
         format!("expected {what} for `{}`, found {}", self.names[at], shown(token))
     }

@@ -18,6 +18,9 @@ const PARSED_BYTES: usize = 8 << 20;
 /// Longest line of a header.
 const MAX_LINE_BYTES: usize = 1 << 20;
 
+/// What some programs write before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Text that is read forward.
 pub(in crate::particles) struct Input {
     path: PathBuf,
@@ -33,7 +36,8 @@ impl Input {
         let is_short = source.is_short();
         let Source { path, head, rest, .. } = source;
         let blocks = (!is_short).then(|| read_ahead(rest));
-        Self { path, blocks, buffer: head, start: 0, line: 1 }
+        let start = if head.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        Self { path, blocks, buffer: head, start, line: 1 }
     }
 
     /// Number of the next line; the first is 1.

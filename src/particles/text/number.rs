@@ -36,6 +36,12 @@ pub(in crate::particles) fn integer(token: &[u8]) -> Option<i64> {
     Some(if is_negative { -value } else { value })
 }
 
+/// Returns true for what stands for a missing number.
+pub(in crate::particles) fn is_missing(token: &[u8]) -> bool {
+    const WORDS: [&[u8]; 6] = [b"", b"NA", b"N/A", b"null", b"NULL", b"None"];
+    WORDS.contains(&token)
+}
+
 /// The parts of a line between white space.
 pub(in crate::particles) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|&byte| byte <= b' ').filter(|token| !token.is_empty())
