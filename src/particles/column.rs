@@ -87,6 +87,15 @@ const ROLES: [(Role, &[&str]); 13] = [
     (Role::Transparency, &["transparency"]),
 ];
 
+/// The name of a component of a vector: `_x`, `_y`, `_z` of three, else `_1`, `_2`, ...
+pub(super) fn component_name(name: &str, at: usize, count: usize) -> String {
+    match count {
+        1 => name.to_owned(),
+        3 => format!("{name}_{}", ["x", "y", "z"][at]),
+        _ => format!("{name}_{}", at + 1),
+    }
+}
+
 /// A name without a unit in brackets at its end, as in `x [mm]`.
 pub(super) fn base_name(name: &str) -> &str {
     let name = name.trim();

@@ -2,18 +2,21 @@
 //! particles take.
 
 use super::budget::Budget;
-use super::column::Column;
+use super::column::{Column, ColumnData};
 use super::format::Format;
 use super::model::{Cell, LengthUnit, Particles, Positions};
-use super::request::{ReadRequest, Survey};
+use super::request::{ColumnInfo, ColumnKind, ReadRequest, Survey};
 use super::source::Source;
-use super::text::{Batch, Fields, Input, LineParser, read_rows};
+use super::text::{Batch, Fields, Input, LineParser, Section, Words, read_rows};
 use super::trouble::{Outcome, Trouble, plural};
 
 /// A format with frames.
 pub(super) trait FrameFormat {
     /// The format.
     const FORMAT: Format;
+
+    /// True if the first line with a particle tells words from numbers.
+    const IS_REFINED: bool = true;
 
     /// Reads the head of the next frame; `None` at the end of the file.
     fn head(&mut self, input: &mut Input) -> Outcome<Option<FrameHead>>;
@@ -41,6 +44,9 @@ pub(super) struct FrameHead {
     pub(super) time: Option<f64>,
     pub(super) title: Option<String>,
     pub(super) unit: Option<LengthUnit>,
+    /// A column of words that are not in the lines, each with the number of particles that it is
+    /// for, one group after the other.
+    pub(super) words: Option<(&'static str, Vec<(String, u64)>)>,
     /// What the format keeps for itself.
     pub(super) variant: usize,
 }
@@ -56,18 +62,24 @@ pub(super) fn read<F: FrameFormat>(
     let budget = Budget::new(request.memory_limit);
     let mut input = Input::new(source);
     let mut head = find(&mut format, &mut input, frame)?;
-    refine(&mut head, &mut input)?;
-    let fields = head.fields.clone().select(&request.columns)?;
+    refine::<F>(&mut head, &mut input)?;
+    let words = head.words.iter().map(|(name, _)| *name);
+    let infos = head.fields.infos();
+    request.columns.check(infos.iter().map(|info| &*info.name).chain(words.clone()))?;
+    let fields = head.fields.clone().select(&request.columns.without(words))?;
     let parser = format.parser(&head, &fields);
     let mut batch = Batch::new(fields.kinds());
     let first_line = input.line_number();
-    let lines = read_rows(&mut input, &*parser, Some(head.count), budget, &mut batch)?;
+    let lines = read_rows(&mut input, &*parser, Section::Lines(head.count), budget, &mut batch)?;
     check_lines(&input, lines, &head)?;
     format.tail(&mut input, &mut head)?;
     format.finish(&head, &mut batch);
     let names = fields.names().map(str::to_owned);
     let columns = names.zip(batch.columns).map(|(name, data)| Column { name, data: data.finish() });
-    let columns = columns.collect();
+    let mut columns: Vec<Column> = columns.collect();
+    if let Some((name, runs)) = head.words.filter(|(name, _)| request.columns.has(name)) {
+        columns.push(Column { name: name.to_owned(), data: expand(&runs) });
+    }
     batch.positions.shrink_to_fit();
     Ok(Particles {
         path,
@@ -89,14 +101,20 @@ pub(super) fn survey<F: FrameFormat>(mut format: F, source: Source, frame: u64) 
     let (path, compression) = (source.path.clone(), source.compression);
     let mut input = Input::new(source);
     let mut head = find(&mut format, &mut input, frame)?;
-    refine(&mut head, &mut input)?;
+    refine::<F>(&mut head, &mut input)?;
+    let mut columns = head.fields.infos();
+    columns.extend(head.words.iter().map(|(name, _)| ColumnInfo {
+        name: (*name).to_owned(),
+        kind: ColumnKind::Text,
+        range: None,
+    }));
     Ok(Survey {
         path,
         format: F::FORMAT,
         compression,
         frames: None,
         count: Some(head.count),
-        columns: head.fields.infos(),
+        columns,
         cell: head.cell,
         time: head.time,
         title: head.title,
@@ -139,6 +157,17 @@ fn skip<F: FrameFormat>(format: &mut F, input: &mut Input, head: &mut FrameHead)
     format.tail(input, head)
 }
 
+/// A column of words from groups that follow each other.
+fn expand(runs: &[(String, u64)]) -> ColumnData {
+    let mut words = Words::default();
+    for (word, count) in runs {
+        for _ in 0..*count {
+            words.push(word.as_bytes());
+        }
+    }
+    ColumnData::Text(words.finish())
+}
+
 fn check_lines(input: &Input, lines: u64, head: &FrameHead) -> Outcome<()> {
     if lines == head.count {
         return Ok(());
@@ -149,8 +178,8 @@ fn check_lines(input: &Input, lines: u64, head: &FrameHead) -> Outcome<()> {
 }
 
 /// Looks at the first particle to tell words from numbers.
-fn refine(head: &mut FrameHead, input: &mut Input) -> Outcome<()> {
-    if head.count > 0 {
+fn refine<F: FrameFormat>(head: &mut FrameHead, input: &mut Input) -> Outcome<()> {
+    if head.count > 0 && F::IS_REFINED {
         if let Some(line) = input.peek_line()? {
             head.fields.refine(line);
         }

@@ -6,9 +6,11 @@
 //!
 //! Memory follows the bytes that a file has, never the number of particles that it promises.
 
+mod binary;
 mod budget;
 mod column;
 mod detect;
+mod elements;
 mod format;
 mod formats;
 mod frames;
@@ -22,6 +24,7 @@ mod zstd;
 
 pub use column::{Categories, Column, ColumnData, Role};
 pub use format::Format;
+pub(crate) use formats::npy;
 pub use model::{Cell, LengthUnit, Particles, Positions};
 pub use read::{count_frames, read, read_bytes, survey, survey_bytes};
 pub use request::{ColumnInfo, ColumnKind, ReadRequest, Survey, Wanted};

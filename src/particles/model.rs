@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::math::DVec3;
 
-use super::column::{Column, Role, is_called};
+use super::column::{Column, ColumnData, Role, is_called};
 use super::format::Format;
+use super::trouble::Trouble;
 
 /// One frame of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +131,30 @@ impl Positions {
     /// Returns true if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Centres from one column for each axis, all of equal length: in f32 if all of them are.
+    pub(super) fn from_columns(axes: &[ColumnData]) -> Result<Self, Trouble> {
+        let [x, y, z] = axes else { return Err(Trouble::new("expected three coordinates")) };
+        if let (ColumnData::F32(x), ColumnData::F32(y), ColumnData::F32(z)) = (x, y, z) {
+            let all = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [x, y, z]);
+            return Self::F32(all.collect()).finite();
+        }
+        let rows = 0..x.len().min(y.len()).min(z.len());
+        let all = rows.map(|row| [x, y, z].map(|axis| axis.number(row)));
+        Self::F64(all.collect()).finite()
+    }
+
+    /// Refuses coordinates that are not finite.
+    pub(super) fn finite(self) -> Result<Self, Trouble> {
+        let bad = match &self {
+            Self::F32(all) => all.par_iter().position_first(|c| c.iter().any(|x| !x.is_finite())),
+            Self::F64(all) => all.par_iter().position_first(|c| c.iter().any(|x| !x.is_finite())),
+        };
+        let Some(row) = bad else { return Ok(self) };
+        let DVec3 { x, y, z } = self.get(row);
+        let at = format!("row {row} (the first is 0) is at ({x:?}, {y:?}, {z:?})");
+        Err(Trouble::new(format!("{at}: expected finite numbers")))
     }
 
     /// The centre of a particle.

@@ -6,9 +6,12 @@ use crate::error::Result;
 
 use super::detect::detect;
 use super::format::Format;
+use super::formats::gro::Gro;
 use super::formats::lammps_dump::LammpsDump;
+use super::formats::npy::{count_npy, read_npy, read_npz, survey_npy, survey_npz};
 use super::formats::table;
 use super::formats::xyz::Xyz;
+use super::formats::{pdb, ply};
 use super::frames;
 use super::model::Particles;
 use super::request::{ReadRequest, Survey};
@@ -81,6 +84,17 @@ fn read_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Particles> {
             let can_reopen = source.path != Path::new("-");
             table::read(source, open, can_reopen, request)
         }
+        Format::Gro => frames::read(Gro, source, frame, request),
+        Format::Pdb => pdb::read(source, frame, request),
+        Format::Ply => {
+            only_frame(frame)?;
+            ply::read(source, request)
+        }
+        Format::Npy => read_npy(source, frame, request),
+        Format::Npz => {
+            only_frame(frame)?;
+            read_npz(source, request)
+        }
         _ => todo(format),
     }
 }
@@ -97,6 +111,17 @@ fn survey_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Survey> {
             only_frame(frame)?;
             table::survey(&source, request)
         }
+        Format::Gro => frames::survey(Gro, source, frame),
+        Format::Pdb => pdb::survey(source, frame),
+        Format::Ply => {
+            only_frame(frame)?;
+            ply::survey(&source)
+        }
+        Format::Npy => survey_npy(&source, frame, request),
+        Format::Npz => {
+            only_frame(frame)?;
+            survey_npz(source, request)
+        }
         _ => todo(format),
     }
 }
@@ -106,7 +131,10 @@ fn count(format: Format, source: Source, request: &ReadRequest) -> Outcome<u64> 
     match format {
         Format::Xyz => frames::count(Xyz { names: names() }, source),
         Format::LammpsDump => frames::count(LammpsDump { names: names() }, source),
-        Format::Csv | Format::Table => Ok(1),
+        Format::Csv | Format::Table | Format::Npz | Format::Ply => Ok(1),
+        Format::Gro => frames::count(Gro, source),
+        Format::Pdb => pdb::count(source),
+        Format::Npy => count_npy(&source, request),
         _ => todo(format),
     }
 }

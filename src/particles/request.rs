@@ -130,6 +130,13 @@ impl Wanted {
         }
     }
 
+    /// These without some names.
+    pub(super) fn without<'n>(&self, names: impl Iterator<Item = &'n str> + Clone) -> Self {
+        let Self::Only(wanted) = self else { return Self::All };
+        let is_kept = |wanted: &&String| !names.clone().any(|name| is_called(name, wanted));
+        Self::Only(wanted.iter().filter(is_kept).cloned().collect())
+    }
+
     /// Refuses names that are not among those of a file.
     pub(super) fn check<'n>(
         &self,

@@ -1,6 +1,7 @@
 //! The comment line of extended XYZ.
 
 use crate::math::DVec3;
+use crate::particles::column::component_name;
 use crate::particles::frames::FrameHead;
 use crate::particles::model::Cell;
 use crate::particles::text::{Field, FieldUse, Fields, Kind, float, tokens};
@@ -169,11 +170,9 @@ fn fields(properties: &str) -> Result<Fields, String> {
             return Err(format!("`Properties` has more than {MAX_COLUMNS} columns, or empty ones"));
         }
         let is_position = count == 3 && matches!(name, "pos" | "position" | "positions");
-        fields.extend((0..count).map(|at| match (is_position, count) {
-            (true, _) => Field::position(at as usize),
-            (_, 1) => Field::column(name, kind),
-            (_, 3) => Field::column(format!("{name}_{}", ["x", "y", "z"][at as usize]), kind),
-            _ => Field::column(format!("{name}_{}", at + 1), kind),
+        fields.extend((0..count).map(|at| match is_position {
+            true => Field::position(at as usize),
+            false => Field::column(component_name(name, at as usize, count as usize), kind),
         }));
     }
     if !fields.iter().any(|field| matches!(field.is, FieldUse::Position(_))) {

@@ -110,6 +110,7 @@ pub(in crate::particles) struct SpacedRows {
     /// Values up to here are parsed.
     last: usize,
     allows_more: bool,
+    has_quotes: bool,
     /// The value that should have been a number, after an error.
     wrong: AtomicUsize,
 }
@@ -121,7 +122,23 @@ impl SpacedRows {
         let names = fields.0.iter().map(|field| field.name.clone()).collect();
         let is_used = |is: &FieldUse| *is != FieldUse::Skipped;
         let last = uses.iter().rposition(is_used).map_or(0, |last| last + 1);
-        Self { uses, names, last, allows_more, wrong: AtomicUsize::new(usize::MAX) }
+        let wrong = AtomicUsize::new(usize::MAX);
+        Self { uses, names, last, allows_more, has_quotes: false, wrong }
+    }
+
+    /// A value may be in single or double quotes, which end before white space.
+    #[must_use]
+    pub(in crate::particles) fn with_quotes(self) -> Self {
+        Self { has_quotes: true, ..self }
+    }
+
+    #[inline]
+    fn next<'l>(&self, rest: &mut &'l [u8]) -> &'l [u8] {
+        let token = next_token(rest);
+        match token.first() {
+            Some(b'\'' | b'"') if self.has_quotes => quoted(token, rest),
+            _ => token,
+        }
     }
 
     /// The value that should have been a number, after an error.
@@ -167,7 +184,7 @@ impl LineParser for SpacedRows {
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
         for (at, is) in self.uses[..self.last].iter().enumerate() {
-            let token = next_token(&mut rest);
+            let token = self.next(&mut rest);
             if token.is_empty() {
                 return Err(self.wrong_count(line));
             }
@@ -184,11 +201,11 @@ impl LineParser for SpacedRows {
             }
         }
         for _ in self.last..self.uses.len() {
-            if next_token(&mut rest).is_empty() {
+            if self.next(&mut rest).is_empty() {
                 return Err(self.wrong_count(line));
             }
         }
-        if !self.allows_more && !next_token(&mut rest).is_empty() {
+        if !self.allows_more && !self.next(&mut rest).is_empty() {
             return Err(self.wrong_count(line));
         }
         to.positions.push(position);
@@ -205,4 +222,25 @@ fn next_token<'l>(rest: &mut &'l [u8]) -> &'l [u8] {
     let end = text.iter().position(|&byte| is_space(byte)).unwrap_or(text.len());
     *rest = &text[end..];
     &text[..end]
+}
+
+/// A value in quotes, whose first part is a token before `rest`. Without a closing quote it ends at
+/// white space.
+#[cold]
+fn quoted<'l>(token: &'l [u8], rest: &mut &'l [u8]) -> &'l [u8] {
+    let quote = token[0];
+    if token.len() > 1 && token.ends_with(&[quote]) {
+        return &token[1..token.len() - 1];
+    }
+    // The value has spaces.
+    let is_close = |at: usize| rest[at] == quote && rest.get(at + 1).is_none_or(|&b| b <= b' ');
+    match (0..rest.len()).find(|&at| is_close(at)) {
+        Some(close) => {
+            let after = &rest[close + 1..];
+            let word = &rest[..close];
+            *rest = after;
+            if token.len() > 1 { &token[1..] } else { word }
+        }
+        None => token,
+    }
 }

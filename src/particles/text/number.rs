@@ -38,7 +38,7 @@ pub(in crate::particles) fn integer(token: &[u8]) -> Option<i64> {
 
 /// Returns true for what stands for a missing number.
 pub(in crate::particles) fn is_missing(token: &[u8]) -> bool {
-    const WORDS: [&[u8]; 6] = [b"", b"NA", b"N/A", b"null", b"NULL", b"None"];
+    const WORDS: [&[u8]; 8] = [b"", b"NA", b"N/A", b"null", b"NULL", b"None", b".", b"?"];
     WORDS.contains(&token)
 }
 

@@ -20,23 +20,64 @@ pub(in crate::particles) trait LineParser: Sync {
     fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String>;
 }
 
-/// Appends the rows of the next `count` lines to `all`, or of all lines if `count` is `None`.
-/// Returns the number of lines.
+/// Which lines are read.
+#[derive(Clone, Copy)]
+pub(in crate::particles) enum Section {
+    /// This many, or as many as there are.
+    Lines(u64),
+    /// All up to where a function finds the end, in text that begins with a line. The line there
+    /// stays the next one.
+    Until(fn(&[u8]) -> Option<usize>),
+}
+
+impl Section {
+    /// The next lines of the section, with their number, and true if there may be more.
+    fn next<'i>(&self, input: &'i mut Input, done: u64) -> Outcome<(&'i [u8], u64, bool)> {
+        match self {
+            Self::Lines(count) => {
+                let (text, lines) = input.peek_lines(count - done)?;
+                Ok((text, lines, lines > 0))
+            }
+            Self::Until(end) => {
+                let (text, lines) = input.peek_lines(u64::MAX)?;
+                match end(text) {
+                    Some(at) => {
+                        let text = &text[..at];
+                        Ok((text, memchr::memchr_iter(b'\n', text).count() as u64, false))
+                    }
+                    None => Ok((text, lines, lines > 0)),
+                }
+            }
+        }
+    }
+}
+
+/// Moves past a section; returns its number of lines.
+pub(in crate::particles) fn skip_section(input: &mut Input, section: Section) -> Outcome<u64> {
+    let mut done = 0;
+    loop {
+        let (text, lines, has_more) = section.next(input, done)?;
+        let bytes = text.len();
+        input.consume_lines(bytes, lines);
+        done += lines;
+        if !has_more {
+            return Ok(done);
+        }
+    }
+}
+
+/// Appends the rows of a section to `all`. Returns its number of lines.
 pub(in crate::particles) fn read_rows(
     input: &mut Input,
     parser: &dyn LineParser,
-    count: Option<u64>,
+    section: Section,
     budget: Budget,
     all: &mut Batch,
 ) -> Outcome<u64> {
     let mut done = 0;
     loop {
-        let most = count.map_or(u64::MAX, |count| count - done);
         let first = input.line_number();
-        let (text, lines) = input.peek_lines(most)?;
-        if lines == 0 {
-            return Ok(done);
-        }
+        let (text, lines, has_more) = section.next(input, done)?;
         let pieces = split(text, rayon::current_num_threads() * 4);
         let kinds: Vec<_> = all.kinds().collect();
         let parse = |piece: &&[u8]| parse_piece(piece, parser, Batch::new(kinds.iter().copied()));
@@ -56,6 +97,9 @@ pub(in crate::particles) fn read_rows(
         let bytes = text.len();
         input.consume_lines(bytes, lines);
         done += lines;
+        if !has_more {
+            return Ok(done);
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::particles::model::{Particles, Positions};
 use crate::particles::request::{ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{
-    Batch, FieldUse, Fields, Input, Kind, LineParser, SpacedRows, read_rows,
+    Batch, FieldUse, Fields, Input, Kind, LineParser, Section, SpacedRows, read_rows,
 };
 use crate::particles::trouble::{Outcome, Trouble};
 
@@ -33,7 +33,13 @@ pub(in crate::particles) fn read(
         input.skip_lines(dialect.skipped_lines)?;
         let first_line = input.line_number();
         let budget = Budget::new(request.memory_limit);
-        let lines = match read_rows(&mut input, parser.lines(), None, budget, &mut batch) {
+        let lines = match read_rows(
+            &mut input,
+            parser.lines(),
+            Section::Lines(u64::MAX),
+            budget,
+            &mut batch,
+        ) {
             Ok(lines) => lines,
             Err(failure) => match parser.wrong_field() {
                 Some(wrong) if can_reopen => {
