@@ -158,8 +158,8 @@ fn is_poscar(lines: &[&[u8]]) -> bool {
     let [_, scale, a, b, c, _, _, ..] = lines else { return false };
     let numbers = |line: &[u8]| -> Option<Vec<f64>> { tokens(line).map(float).collect() };
     let is_vector = |line: &&[u8]| numbers(line).is_some_and(|numbers| numbers.len() == 3);
-    numbers(scale).is_some_and(|numbers| matches!(numbers.len(), 1 | 3))
-        && [a, b, c].into_iter().all(is_vector)
+    let is_scale = numbers(scale).is_some_and(|numbers| numbers.len() == 1);
+    is_scale && [a, b, c].into_iter().all(is_vector)
 }
 
 /// Values separated by commas, semicolons, tabs or bars.

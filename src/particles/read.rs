@@ -9,9 +9,10 @@ use super::format::Format;
 use super::formats::gro::Gro;
 use super::formats::lammps_dump::LammpsDump;
 use super::formats::npy::{count_npy, read_npy, read_npz, survey_npy, survey_npz};
+use super::formats::poscar::Poscar;
 use super::formats::table;
 use super::formats::xyz::Xyz;
-use super::formats::{pdb, ply};
+use super::formats::{lammps_data, mmcif, pdb, ply};
 use super::frames;
 use super::model::Particles;
 use super::request::{ReadRequest, Survey};
@@ -84,6 +85,12 @@ fn read_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Particles> {
             let can_reopen = source.path != Path::new("-");
             table::read(source, open, can_reopen, request)
         }
+        Format::Poscar => frames::read(Poscar::default(), source, frame, request),
+        Format::LammpsData => {
+            only_frame(frame)?;
+            lammps_data::read(source, request)
+        }
+        Format::Mmcif => mmcif::read(source, frame, request),
         Format::Gro => frames::read(Gro, source, frame, request),
         Format::Pdb => pdb::read(source, frame, request),
         Format::Ply => {
@@ -111,6 +118,12 @@ fn survey_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Survey> {
             only_frame(frame)?;
             table::survey(&source, request)
         }
+        Format::Poscar => frames::survey(Poscar::default(), source, frame),
+        Format::LammpsData => {
+            only_frame(frame)?;
+            lammps_data::survey(source, request)
+        }
+        Format::Mmcif => mmcif::survey(source),
         Format::Gro => frames::survey(Gro, source, frame),
         Format::Pdb => pdb::survey(source, frame),
         Format::Ply => {
@@ -131,7 +144,9 @@ fn count(format: Format, source: Source, request: &ReadRequest) -> Outcome<u64> 
     match format {
         Format::Xyz => frames::count(Xyz { names: names() }, source),
         Format::LammpsDump => frames::count(LammpsDump { names: names() }, source),
-        Format::Csv | Format::Table | Format::Npz | Format::Ply => Ok(1),
+        Format::Csv | Format::Table | Format::Npz | Format::Ply | Format::LammpsData => Ok(1),
+        Format::Poscar => frames::count(Poscar::default(), source),
+        Format::Mmcif => mmcif::count(source, request),
         Format::Gro => frames::count(Gro, source),
         Format::Pdb => pdb::count(source),
         Format::Npy => count_npy(&source, request),
