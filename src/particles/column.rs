@@ -1,6 +1,5 @@
 //! Columns: one number or word for each particle.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// One number or word for each particle.
@@ -177,6 +176,19 @@ impl ColumnData {
         }
     }
 
+    /// Appends other values of the same type; false if the type differs.
+    pub(super) fn append(&mut self, more: Self) -> bool {
+        match (self, more) {
+            (Self::U8(all), Self::U8(more)) => all.extend_from_slice(&more),
+            (Self::I32(all), Self::I32(more)) => all.extend_from_slice(&more),
+            (Self::I64(all), Self::I64(more)) => all.extend_from_slice(&more),
+            (Self::F32(all), Self::F32(more)) => all.extend_from_slice(&more),
+            (Self::F64(all), Self::F64(more)) => all.extend_from_slice(&more),
+            _ => return false,
+        }
+        true
+    }
+
     /// The value of a row as the file would show it.
     pub fn show(&self, row: usize) -> String {
         match self {
@@ -194,19 +206,5 @@ impl Categories {
     /// The word of a row.
     pub fn word(&self, row: usize) -> &str {
         &self.names[self.codes[row] as usize]
-    }
-
-    /// Appends the words of another column.
-    pub(super) fn append(&mut self, other: &Self) {
-        let mut known: HashMap<Arc<str>, u32> =
-            self.names.iter().zip(0..).map(|(name, code)| (Arc::clone(name), code)).collect();
-        let mut code_of = |name: &Arc<str>| {
-            *known.entry(Arc::clone(name)).or_insert_with(|| {
-                self.names.push(Arc::clone(name));
-                self.names.len() as u32 - 1
-            })
-        };
-        let codes: Vec<u32> = other.names.iter().map(&mut code_of).collect();
-        self.codes.extend(other.codes.iter().map(|&code| codes[code as usize]));
     }
 }

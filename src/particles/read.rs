@@ -11,13 +11,16 @@ use super::formats::lammps_dump::LammpsDump;
 use super::formats::npy::{count_npy, read_npy, read_npz, survey_npy, survey_npz};
 use super::formats::poscar::Poscar;
 use super::formats::table;
+use super::formats::vtk::{
+    count_pvd, part_of_pvd, read_legacy, read_xml, survey_legacy, survey_xml,
+};
 use super::formats::xyz::Xyz;
-use super::formats::{lammps_data, mmcif, pdb, ply};
+use super::formats::{gsd, lammps_data, mmcif, pdb, ply, xtc};
 use super::frames;
 use super::model::Particles;
 use super::request::{ReadRequest, Survey};
 use super::source::Source;
-use super::trouble::{Outcome, Trouble};
+use super::trouble::{Outcome, Trouble, plural};
 
 /// Reads one frame of a file; `-` is standard input.
 ///
@@ -91,6 +94,21 @@ fn read_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Particles> {
             lammps_data::read(source, request)
         }
         Format::Mmcif => mmcif::read(source, frame, request),
+        Format::Gsd => gsd::read(source, frame, request),
+        Format::Xtc => with_topology(xtc::read(source, frame, request)?, request),
+        Format::Vtp | Format::Vtu => {
+            only_frame(frame)?;
+            read_xml(source, format, request)
+        }
+        Format::Vtk => {
+            only_frame(frame)?;
+            read_legacy(source, request)
+        }
+        Format::Pvd => {
+            let (path, time) = part_of_pvd(&source, frame)?;
+            let particles = read(&path, &part_request(&path, request)?)?;
+            Ok(Particles { time: time.or(particles.time), frame, ..particles })
+        }
         Format::Gro => frames::read(Gro, source, frame, request),
         Format::Pdb => pdb::read(source, frame, request),
         Format::Ply => {
@@ -102,7 +120,6 @@ fn read_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Particles> {
             only_frame(frame)?;
             read_npz(source, request)
         }
-        _ => todo(format),
     }
 }
 
@@ -124,6 +141,27 @@ fn survey_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Survey> {
             lammps_data::survey(source, request)
         }
         Format::Mmcif => mmcif::survey(source),
+        Format::Gsd => gsd::survey(source, frame, request),
+        Format::Xtc => {
+            let survey = xtc::survey(source, frame, request)?;
+            let Some(path) = &request.topology else { return Ok(survey) };
+            let columns = self::survey(path, &topology_request(request))?.columns;
+            Ok(Survey { columns, ..survey })
+        }
+        Format::Vtp | Format::Vtu => {
+            only_frame(frame)?;
+            survey_xml(source, format, request)
+        }
+        Format::Vtk => {
+            only_frame(frame)?;
+            survey_legacy(source, request)
+        }
+        Format::Pvd => {
+            let (path, time) = part_of_pvd(&source, frame)?;
+            let frames = Some(count_pvd(&source)?);
+            let survey = survey(&path, &part_request(&path, request)?)?;
+            Ok(Survey { time: time.or(survey.time), frames, ..survey })
+        }
         Format::Gro => frames::survey(Gro, source, frame),
         Format::Pdb => pdb::survey(source, frame),
         Format::Ply => {
@@ -135,7 +173,6 @@ fn survey_from(open: &Opener<'_>, request: &ReadRequest) -> Outcome<Survey> {
             only_frame(frame)?;
             survey_npz(source, request)
         }
-        _ => todo(format),
     }
 }
 
@@ -147,10 +184,13 @@ fn count(format: Format, source: Source, request: &ReadRequest) -> Outcome<u64> 
         Format::Csv | Format::Table | Format::Npz | Format::Ply | Format::LammpsData => Ok(1),
         Format::Poscar => frames::count(Poscar::default(), source),
         Format::Mmcif => mmcif::count(source, request),
+        Format::Gsd => gsd::count(source, request),
+        Format::Xtc => xtc::count(source, request),
+        Format::Pvd => count_pvd(&source),
+        Format::Vtp | Format::Vtu | Format::Vtk => Ok(1),
         Format::Gro => frames::count(Gro, source),
         Format::Pdb => pdb::count(source),
         Format::Npy => count_npy(&source, request),
-        _ => todo(format),
     }
 }
 
@@ -162,8 +202,38 @@ fn only_frame(frame: u64) -> Outcome<()> {
     Err(Trouble::new(format!("it has 1 frame, and no frame {frame} (the first is 0)")).into())
 }
 
-fn todo<T>(format: Format) -> Outcome<T> {
-    Err(Trouble::new(format!("{} cannot be read yet", format.name())).into())
+/// What is asked of a file that a collection names. It must not be a collection again.
+fn part_request(path: &Path, request: &ReadRequest) -> Result<ReadRequest> {
+    let format = Source::open(path).and_then(|source| detect(&source));
+    let format = format.and_then(|format| match format {
+        Format::Vtp | Format::Vtu | Format::Vtk => Ok(Some(format)),
+        _ => Err(Trouble::new("expected a VTK file with points").into()),
+    });
+    let format = format.map_err(|failure| failure.into_error(path))?;
+    Ok(ReadRequest { format, frame: 0, ..request.clone() })
+}
+
+/// The particles of a trajectory with the columns of its topology.
+fn with_topology(mut particles: Particles, request: &ReadRequest) -> Outcome<Particles> {
+    let Some(path) = &request.topology else {
+        request.columns.check(std::iter::empty())?;
+        return Ok(particles);
+    };
+    let topology = read(path, &topology_request(request))?;
+    if topology.len() != particles.len() {
+        let (has, expected) = (particles.len() as u64, topology.len());
+        let message =
+            format!("it has {}, but `{}` has {expected}", plural(has, "atom"), path.display());
+        return Err(Trouble::new(message).with_help("name the topology of this trajectory").into());
+    }
+    particles.columns = topology.columns;
+    particles.title = topology.title;
+    Ok(particles)
+}
+
+/// What is asked of a topology.
+fn topology_request(request: &ReadRequest) -> ReadRequest {
+    ReadRequest { format: None, frame: 0, topology: None, ..request.clone() }
 }
 
 /// The format that the user names, or else the one that the file has.

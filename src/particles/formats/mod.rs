@@ -2,6 +2,7 @@
 
 mod extended_xyz;
 pub(super) mod gro;
+pub(super) mod gsd;
 pub(super) mod lammps_data;
 pub(super) mod lammps_dump;
 pub(super) mod mmcif;
@@ -11,4 +12,6 @@ pub(super) mod ply;
 pub(super) mod poscar;
 mod splats;
 pub(super) mod table;
+pub(super) mod vtk;
+pub(super) mod xtc;
 pub(super) mod xyz;
