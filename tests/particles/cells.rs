@@ -7,7 +7,11 @@ use photosphere::particles::{Cell, Column, ColumnData, Role};
 fn fractions_are_the_inverse_of_points() {
     let cell = Cell {
         origin: DVec3::new(1.0, -2.0, 0.5),
-        vectors: [DVec3::new(4.0, 0.5, 0.0), DVec3::new(-1.0, 5.0, 0.25), DVec3::new(0.5, 1.0, 6.0)],
+        vectors: [
+            DVec3::new(4.0, 0.5, 0.0),
+            DVec3::new(-1.0, 5.0, 0.25),
+            DVec3::new(0.5, 1.0, 6.0),
+        ],
         periodic: [true; 3],
     };
     for fractions in [[0.0; 3], [1.0, 0.0, 0.0], [0.25, -0.5, 2.0]] {
@@ -26,7 +30,9 @@ fn right_angles_are_exact() {
     assert_eq!(cell.vectors, [DVec3::X * 2.0, DVec3::Y * 3.0, DVec3::Z * 4.0]);
     let cell = Cell::from_lengths_and_angles([2.0, 2.0, 4.0], [90.0, 90.0, 120.0]);
     let [a, b, _] = cell.vectors;
-    assert!((a.angle_between(b).to_degrees() - 120.0).abs() < 1e-12 && (b.length() - 2.0).abs() < 1e-15);
+    assert!(
+        (a.angle_between(b).to_degrees() - 120.0).abs() < 1e-12 && (b.length() - 2.0).abs() < 1e-15
+    );
 }
 
 #[test]

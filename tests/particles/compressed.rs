@@ -45,7 +45,9 @@ fn bombs_do_not_go_off() {
     let request = ReadRequest { memory_limit: Some(16 << 20), ..ReadRequest::default() };
     let told = read_bytes("memory".as_ref(), &packed, &request).unwrap_err().to_string();
     assert_eq!(told, "memory: its particles do not fit into 16 MiB of memory");
-    let mut bytes = b"\x93NUMPY\x01\x00\x40\x00{'descr': '<f8', 'fortran_order': False, 'shape': (9000000, 3)}".to_vec();
+    let mut bytes =
+        b"\x93NUMPY\x01\x00\x40\x00{'descr': '<f8', 'fortran_order': False, 'shape': (9000000, 3)}"
+            .to_vec();
     bytes.resize(10 + 64, b' ');
     bytes.resize(40 << 20, 0);
     let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());

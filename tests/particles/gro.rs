@@ -42,10 +42,7 @@ fn mistakes_have_their_line() {
         (WATER.replace("  1.624", "  x.624"), "memory:3: expected y in column 29, found `x.624`"),
         (WATER.replace("    2\n", "    3\n"), "memory:5: expected"),
         (WATER.replace("   1.82060\n", "\n"), "memory:5: expected a box of 3 or 9 numbers"),
-        (
-            WATER.replace("    2\n", "1152921504606846976\n"),
-            "memory:5: expected",
-        ),
+        (WATER.replace("    2\n", "1152921504606846976\n"), "memory:5: expected"),
     ] {
         let found = error(text);
         assert!(found.starts_with(message), "{found}");

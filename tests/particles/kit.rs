@@ -67,7 +67,8 @@ fn check_frame(expected: &Value) {
     let at = format!("{name} frame {number}");
     let count = expected["count"].as_u64().unwrap() as usize;
     assert_eq!(found.len(), count, "{at}");
-    let positions: Vec<f64> = (0..count).flat_map(|row| found.positions.get(row).to_array()).collect();
+    let positions: Vec<f64> =
+        (0..count).flat_map(|row| found.positions.get(row).to_array()).collect();
     compare(&positions, &numbers(&expected["positions"]), tolerance, &format!("{at}: positions"));
     for (column, values) in expected["columns"].as_object().unwrap() {
         compare_column(&found, column, values, tolerance, &at);

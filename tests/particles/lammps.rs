@@ -129,7 +129,11 @@ fn data_files_tell_their_style_or_have_it_guessed() {
         let names: Vec<&str> = found.columns.iter().map(|column| &*column.name).collect();
         assert_eq!(names[..columns.len()], *columns);
         assert_eq!(found.positions.get(1), DVec3::new(3.0, 4.0, 5.0), "{names:?}");
-        assert!(found.notes[0].contains("the style of the atoms is not named"), "{:?}", found.notes);
+        assert!(
+            found.notes[0].contains("the style of the atoms is not named"),
+            "{:?}",
+            found.notes
+        );
     }
 }
 
@@ -139,7 +143,10 @@ fn mistakes_in_data_files_have_their_line() {
     for (text, message) in [
         (data(" # sperm", plain), "memory:19: the style `sperm` of the atoms is not known"),
         (data(" # atomic", "1 1 0 1 2\n"), "memory:20: expected 5 values, found 0"),
-        (data("", "1 a b\n"), "memory:19: the style of the atoms is not named, and 3 values fit none"),
+        (
+            data("", "1 a b\n"),
+            "memory:19: the style of the atoms is not named, and 3 values fit none",
+        ),
         (data("", plain).replace("2 atoms", "x atoms"), "memory:3: expected the number of atoms"),
         (data("", plain).replace("-1 5 xlo", "-1 xlo"), "memory:7: expected two bounds of the box"),
         (

@@ -27,10 +27,16 @@ fn columns_have_any_order_and_quotes() {
 #[test]
 fn mistakes_have_their_line() {
     for (text, message) in [
-        (format!("{LOOP}O 3 1 O 2\n#\n"), "memory:13: expected 6 values, found 5 (occupancy is missing)"),
+        (
+            format!("{LOOP}O 3 1 O 2\n#\n"),
+            "memory:13: expected 6 values, found 5 (occupancy is missing)",
+        ),
         (format!("{LOOP}O 3 1 O ? 1\n#\n"), "memory:13: expected a finite number for `Cartn_y`"),
         ("data_x\n#\n".to_owned(), "memory: it has no loop with `_atom_site.` columns"),
-        ("data_x\nloop_\n_atom_site_label\nC1\n".to_owned(), "memory: it is a CIF file of a small molecule"),
+        (
+            "data_x\nloop_\n_atom_site_label\nC1\n".to_owned(),
+            "memory: it is a CIF file of a small molecule",
+        ),
         (LOOP.replace("Cartn_y", "y") + "O 1 2 C 3 1\n", "memory: expected `_atom_site.Cartn_x`"),
     ] {
         let found = error(text);

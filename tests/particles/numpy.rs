@@ -19,7 +19,10 @@ fn mistakes_are_named() {
         error(array(&text, &[0; 24]))
     };
     for (found, message) in [
-        (of("'<f8'", "(1152921504606846976, 3)"), "the file ends too early: 1152921504606846976 rows"),
+        (
+            of("'<f8'", "(1152921504606846976, 3)"),
+            "the file ends too early: 1152921504606846976 rows",
+        ),
         (of("'<f8'", "(2, 3)"), "the file ends too early: 2 rows of 24 bytes needs 48 bytes"),
         (of("'<f8'", "(18446744073709551615, 3)"), "the file ends too early"),
         (of("'|O'", "(1, 3)"), "its array has the type `|O`, which is not a number"),

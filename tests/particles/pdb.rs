@@ -27,8 +27,10 @@ const ATOM: &str =
 fn odd_lines_are_read() {
     let cut = "HETATM*****FE   HEM A9999      -1.000   2.000   3.000\n";
     let four = "ATOM  A0000 HG11LVALX A000     100.000 200.000 300.000  1.00  0.00\n";
-    let found = bytes(format!("CRYST1    1.000    1.000    1.000  90.00  90.00  90.00\n{ATOM}{cut}TER\n{four}END\n"))
-        .unwrap();
+    let found = bytes(format!(
+        "CRYST1    1.000    1.000    1.000  90.00  90.00  90.00\n{ATOM}{cut}TER\n{four}END\n"
+    ))
+    .unwrap();
     assert_eq!((found.len(), found.cell), (3, None));
     let shown = |name: &str| -> Vec<String> {
         let column = found.column(name).unwrap();
@@ -57,7 +59,10 @@ fn mistakes_have_their_line() {
     for (text, message) in [
         (format!("{ATOM}{}", &ATOM[..40]), "memory:2: expected y in columns 39 to 46, found"),
         (ATOM.replace("6.134", "x.134"), "memory:1: expected y in columns 39 to 46, found `x.134`"),
-        (ATOM.replace("  6.134", "    nan"), "memory:1: expected y in columns 39 to 46, found `nan`"),
+        (
+            ATOM.replace("  6.134", "    nan"),
+            "memory:1: expected y in columns 39 to 46, found `nan`",
+        ),
         ("REMARK   1 nothing\nEND\n".to_owned(), "memory: it has no atoms"),
         (format!("CRYST1 odd\n{ATOM}"), "memory:1: expected lengths and angles of the cell"),
     ] {

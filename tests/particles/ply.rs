@@ -52,7 +52,9 @@ fn mistakes_are_named() {
         let found = error(text);
         assert!(found.starts_with(message), "{found}");
     }
-    let binary = HEAD.replace("ascii", "binary_little_endian").replace("vertex 2", "vertex 1152921504606846976");
+    let binary = HEAD
+        .replace("ascii", "binary_little_endian")
+        .replace("vertex 2", "vertex 1152921504606846976");
     let found = error(format!("{binary}{end}1234"));
     assert!(found.contains("1152921504606846976 rows of 12 bytes needs"), "{found}");
     // A list that promises more than there is.

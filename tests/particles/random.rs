@@ -37,10 +37,7 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
         b" ",
         b"<",
     ]);
-    prop_oneof![
-        odd.prop_map(<[u8]>::to_vec),
-        prop::collection::vec(any::<u8>(), 1..9),
-    ]
+    prop_oneof![odd.prop_map(<[u8]>::to_vec), prop::collection::vec(any::<u8>(), 1..9),]
 }
 
 fn change() -> impl Strategy<Value = Change> {
@@ -83,7 +80,8 @@ fn apply(file: &mut Vec<u8>, change: Change) {
 
 /// Reads random changes of these files as their format and as what they look like.
 fn changed(format: Format, files: &[&str], cases: u32) {
-    let seeds: Vec<Vec<u8>> = files.iter().map(|name| std::fs::read(fixture(name)).unwrap()).collect();
+    let seeds: Vec<Vec<u8>> =
+        files.iter().map(|name| std::fs::read(fixture(name)).unwrap()).collect();
     for seed in &seeds {
         assert!(target::read(Some(format), seed) && target::read(None, seed));
     }

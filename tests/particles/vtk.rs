@@ -46,13 +46,19 @@ fn pieces_are_joined() {
 #[test]
 fn mistakes_are_named() {
     for (text, message) in [
-        (FILE.replace("\"2\"", "\"1152921504606846976\""), "the file ends too early: 1152921504606846976 rows"),
+        (
+            FILE.replace("\"2\"", "\"1152921504606846976\""),
+            "the file ends too early: 1152921504606846976 rows",
+        ),
         (FILE.replace("4 5 6", "4 5"), "the file ends too early: 2 rows of 12 bytes needs 24"),
         (FILE.replace("4 5 6", "4 five 6"), "expected a number, found `five`"),
         (FILE.replace("4 5 6", "4 nan 6"), "row 1 (the first is 0) is at (4.0, NaN, 6.0)"),
         (FILE.replace("\"2\"", "\"two\""), "expected a number for `NumberOfPoints`, found `two`"),
         (FILE.replace("</Piece>", ""), "the XML is damaged"),
-        (FILE.replace("ascii", "odd"), "expected the format ascii, binary or appended, found `odd`"),
+        (
+            FILE.replace("ascii", "odd"),
+            "expected the format ascii, binary or appended, found `odd`",
+        ),
         (FILE.replace("ascii", "appended"), "expected a number for `offset`"),
         (
             FILE.replace("byte_order", "compressor=\"vtkLZ4DataCompressor\" byte_order"),
@@ -73,7 +79,10 @@ fn legacy_files_have_mistakes_named() {
     assert_eq!(found.column("a b").unwrap().number(1), 8.0);
     assert_eq!(found.column("v_y").unwrap().number(1), 1.0);
     for (text, message) in [
-        (LEGACY.replace("POINTS 2", "POINTS 1152921504606846976"), "numbers, found the end of the file"),
+        (
+            LEGACY.replace("POINTS 2", "POINTS 1152921504606846976"),
+            "numbers, found the end of the file",
+        ),
         (LEGACY.replace("4 5 6", "4 5 six"), "memory:7: expected a number, found `six`"),
         (LEGACY.replace("POINT_DATA 2", "POINT_DATA 3"), "memory:8: expected data for 2 points"),
         (LEGACY.replace("VECTORS", "VECTOR"), "memory:12: expected a keyword of a VTK file"),
@@ -83,6 +92,7 @@ fn legacy_files_have_mistakes_named() {
         let found = error(text);
         assert!(found.contains(message), "{found}");
     }
-    let binary = LEGACY.replace("ASCII", "BINARY").replace("POINTS 2", "POINTS 1152921504606846976");
+    let binary =
+        LEGACY.replace("ASCII", "BINARY").replace("POINTS 2", "POINTS 1152921504606846976");
     assert!(error(binary).contains("the file ends too early"));
 }

@@ -64,7 +64,9 @@ fn mistakes_have_their_line() {
         ("1\n\nO 1 2 3\nsecond\n\n", "memory:4: expected the number of atoms, found `second`"),
     ] {
         let found = match text.ends_with("second\n\n") {
-            true => read_bytes("memory".as_ref(), text.as_bytes(), &frame(1)).unwrap_err().to_string(),
+            true => {
+                read_bytes("memory".as_ref(), text.as_bytes(), &frame(1)).unwrap_err().to_string()
+            }
             false => error(text),
         };
         assert!(found.starts_with(message), "{found}");

@@ -3,17 +3,14 @@
 
 use std::path::Path;
 
-use photosphere::particles::{
-    Format, Particles, ReadRequest, read_bytes, survey_bytes,
-};
+use photosphere::particles::{Format, Particles, ReadRequest, read_bytes, survey_bytes};
 
 /// Bytes that a reader may take, more than any input of a fuzzer needs.
 const MEMORY: u64 = 256 << 20;
 
 /// Reads bytes as a format, or as what they look like. Returns true if they are accepted.
 pub fn read(format: Option<Format>, input: &[u8]) -> bool {
-    let request =
-        ReadRequest { format, memory_limit: Some(MEMORY), ..ReadRequest::default() };
+    let request = ReadRequest { format, memory_limit: Some(MEMORY), ..ReadRequest::default() };
     let name = Path::new("input");
     let survey = survey_bytes(name, input, &request);
     if let Err(error) = &survey {
