@@ -50,12 +50,20 @@ impl Trouble {
             Some(line) => format!("{}:{line}", path.display()),
             None => path.display().to_string(),
         };
-        let error = Error::input(format!("{place}: {}", self.message));
+        let error = Error::input(format!("{place}: {}", printable(&self.message)));
         match self.help {
-            Some(help) => error.with_help(help),
+            Some(help) => error.with_help(printable(&help)),
             None => error,
         }
     }
+}
+
+/// A text without control characters, which may come from a file, and of bounded length.
+fn printable(text: &str) -> String {
+    const MOST: usize = 400;
+    let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let short: String = text.chars().take(MOST).map(printable).collect();
+    if text.chars().nth(MOST).is_some() { short + "..." } else { short }
 }
 
 impl From<Trouble> for Failure {

@@ -2,6 +2,7 @@
 //! changes of the fixtures of each format.
 
 #[path = "../../fuzz/src/targets/particles.rs"]
+#[allow(dead_code, reason = "the fuzzers use the other functions")]
 mod target;
 
 use photosphere::particles::Format;

@@ -3,18 +3,19 @@
 
 use std::path::Path;
 
+use photosphere::Error;
 use photosphere::particles::{Format, Particles, ReadRequest, read_bytes, survey_bytes};
 
 /// Bytes that a reader may take, more than any input of a fuzzer needs.
 const MEMORY: u64 = 256 << 20;
 
 /// Reads bytes as a format, or as what they look like. Returns true if they are accepted.
-pub fn read(format: Option<Format>, input: &[u8]) -> bool {
+pub(crate) fn read(format: Option<Format>, input: &[u8]) -> bool {
     let request = ReadRequest { format, memory_limit: Some(MEMORY), ..ReadRequest::default() };
     let name = Path::new("input");
     let survey = survey_bytes(name, input, &request);
     if let Err(error) = &survey {
-        assert!(!error.to_string().is_empty());
+        told(error);
     }
     match read_bytes(name, input, &request) {
         Ok(particles) => {
@@ -26,10 +27,17 @@ pub fn read(format: Option<Format>, input: &[u8]) -> bool {
             true
         }
         Err(error) => {
-            assert!(error.to_string().contains("input"), "{error}");
+            told(&error);
             false
         }
     }
+}
+
+/// A message names the file, is short, and does nothing to a terminal.
+fn told(error: &Error) {
+    let text = error.to_string();
+    assert!(text.contains("input") && text.len() < 2000, "{text:?}");
+    assert!(!text.contains(char::is_control), "{text:?}");
 }
 
 fn check(particles: &Particles) {
@@ -46,4 +54,32 @@ fn check(particles: &Particles) {
             assert!(low <= high);
         }
     }
+}
+
+macro_rules! targets {
+    ($($name:ident: $format:expr,)+) => {
+        $(pub(crate) fn $name(input: &[u8]) -> bool {
+            read($format, input)
+        })+
+    };
+}
+
+targets! {
+    npy: Some(Format::Npy),
+    npz: Some(Format::Npz),
+    csv: Some(Format::Csv),
+    table: Some(Format::Table),
+    xyz: Some(Format::Xyz),
+    lammps_dump: Some(Format::LammpsDump),
+    lammps_data: Some(Format::LammpsData),
+    pdb: Some(Format::Pdb),
+    mmcif: Some(Format::Mmcif),
+    gro: Some(Format::Gro),
+    poscar: Some(Format::Poscar),
+    ply: Some(Format::Ply),
+    gsd: Some(Format::Gsd),
+    vtk_xml: Some(Format::Vtp),
+    vtk_legacy: Some(Format::Vtk),
+    xtc: Some(Format::Xtc),
+    any: None,
 }
