@@ -116,7 +116,7 @@ impl Member {
         (0..width).map(|at| component_name(&self.name, at, width)).collect()
     }
 
-    /// Its columns; `axes` are the coordinates among them.
+    /// The columns; `axes` are the coordinates among them.
     fn slots(&self, names: &[String], axes: &[usize]) -> Outcome<Slots> {
         let Some(number) = self.number() else {
             return Err(Trouble::new(format!("the array `{}` has no numbers", self.name)).into());
