@@ -149,8 +149,8 @@ fn is_xyz(lines: &[&[u8]]) -> bool {
     let values = |line: &[u8]| tokens(line).count();
     // Below a count, a point cloud has points at once.
     let is_cloud = |line: &[u8]| values(line) >= 3 && numbers(line) == values(line);
-    let is_comment = !(is_cloud(comment) && values(comment) == values(atom));
-    is_comment && numbers(atom) >= 3
+    let are_points = is_cloud(comment) && is_cloud(atom) && values(comment) == values(atom);
+    !are_points && numbers(atom) >= 3
 }
 
 /// A comment, a scale, and three vectors.

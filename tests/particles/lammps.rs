@@ -154,7 +154,10 @@ fn mistakes_in_data_files_have_their_line() {
             "memory:21: expected 5 values",
         ),
     ] {
-        let found = error(text);
+        let format = Some(Format::LammpsData);
+        let request = ReadRequest { format, ..ReadRequest::default() };
+        let found =
+            read_bytes("memory".as_ref(), text.as_bytes(), &request).unwrap_err().to_string();
         assert!(found.starts_with(message), "{found}");
     }
     let names = ["id", "_", "x", "y", "z"].map(str::to_owned).to_vec();

@@ -25,7 +25,7 @@ const ATOM: &str =
 
 #[test]
 fn odd_lines_are_read() {
-    let cut = "HETATM*****FE   HEM A9999      -1.000   2.000   3.000\n";
+    let cut = "HETATM***** FE   HEM A9999      -1.000   2.000   3.000\n";
     let four = "ATOM  A0000 HG11LVALX A000     100.000 200.000 300.000  1.00  0.00\n";
     let found = bytes(format!(
         "CRYST1    1.000    1.000    1.000  90.00  90.00  90.00\n{ATOM}{cut}TER\n{four}END\n"

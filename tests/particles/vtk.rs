@@ -81,7 +81,7 @@ fn legacy_files_have_mistakes_named() {
     for (text, message) in [
         (
             LEGACY.replace("POINTS 2", "POINTS 1152921504606846976"),
-            "numbers, found the end of the file",
+            "memory:8: expected a number, found `POINT_DATA`",
         ),
         (LEGACY.replace("4 5 6", "4 5 six"), "memory:7: expected a number, found `six`"),
         (LEGACY.replace("POINT_DATA 2", "POINT_DATA 3"), "memory:8: expected data for 2 points"),

@@ -366,10 +366,10 @@ fn cell(data: &Data, found: &Frame) -> Outcome<Option<Cell>> {
     Ok(Some(Cell { origin, vectors, periodic: [true, true, dimensions != 2.0] }))
 }
 
-/// The time step.
+/// The time step, 0 by default.
 fn step(data: &Data, found: &Frame) -> Outcome<Option<f64>> {
     match found.any("configuration/step") {
         Some(chunk) => Ok(numbers(data, chunk, 1)?.map(|numbers| numbers[0])),
-        None => Ok(None),
+        None => Ok(Some(0.0)),
     }
 }

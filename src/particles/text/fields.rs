@@ -134,11 +134,13 @@ impl SpacedRows {
 
     #[inline]
     fn next<'l>(&self, rest: &mut &'l [u8]) -> &'l [u8] {
-        let token = next_token(rest);
-        match token.first() {
-            Some(b'\'' | b'"') if self.has_quotes => quoted(token, rest),
-            _ => token,
+        if self.has_quotes {
+            let start = rest.trim_ascii_start();
+            if let Some(quote @ (b'\'' | b'"')) = start.first() {
+                return quoted(&start[1..], *quote, rest);
+            }
         }
+        next_token(rest)
     }
 
     /// The value that should have been a number, after an error.
@@ -224,23 +226,11 @@ fn next_token<'l>(rest: &mut &'l [u8]) -> &'l [u8] {
     &text[..end]
 }
 
-/// A value in quotes, whose first part is a token before `rest`. Without a closing quote it ends at
-/// white space.
+/// A value after its opening quote, which ends at such a quote before white space.
 #[cold]
-fn quoted<'l>(token: &'l [u8], rest: &mut &'l [u8]) -> &'l [u8] {
-    let quote = token[0];
-    if token.len() > 1 && token.ends_with(&[quote]) {
-        return &token[1..token.len() - 1];
-    }
-    // The value has spaces.
-    let is_close = |at: usize| rest[at] == quote && rest.get(at + 1).is_none_or(|&b| b <= b' ');
-    match (0..rest.len()).find(|&at| is_close(at)) {
-        Some(close) => {
-            let after = &rest[close + 1..];
-            let word = &rest[..close];
-            *rest = after;
-            if token.len() > 1 { &token[1..] } else { word }
-        }
-        None => token,
-    }
+fn quoted<'l>(text: &'l [u8], quote: u8, rest: &mut &'l [u8]) -> &'l [u8] {
+    let is_close = |at: usize| text[at] == quote && text.get(at + 1).is_none_or(|&b| b <= b' ');
+    let close = (0..text.len()).find(|&at| is_close(at)).unwrap_or(text.len());
+    *rest = text.get(close + 1..).unwrap_or_default();
+    &text[..close]
 }

@@ -41,14 +41,20 @@ impl<'b> Cursor<'b> {
         }
     }
 
-    /// The next line, if it begins with a word; it is left where it is otherwise.
+    /// Moves past the next line that is not empty, if it begins with a word.
     pub(super) fn line_with(&mut self, word: &[u8]) -> bool {
         let before = self.at;
-        let found = self.line().is_some_and(|line| line.trim_ascii_start().starts_with(word));
-        if !found {
-            self.at = before;
+        while let Some(line) = self.line() {
+            let line = line.trim_ascii();
+            if line.starts_with(word) {
+                return true;
+            }
+            if !line.is_empty() {
+                break;
+            }
         }
-        found
+        self.at = before;
+        false
     }
 
     /// Moves past lines up to an empty one.

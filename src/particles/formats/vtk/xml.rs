@@ -199,8 +199,9 @@ impl File {
                 if !is_base64 {
                     return Ok((self.unpack(&part, array, encoding)?, is_big));
                 }
-                self.budget.check(rest)?;
-                let bytes = decode(&part.bytes(0, rest, &what)?, usize::MAX);
+                let length = self.encoded_length(&part, encoding)?;
+                self.budget.check(length)?;
+                let bytes = decode(&part.bytes(0, length, &what)?, usize::MAX);
                 let bytes = Data::from_bytes(path, bytes);
                 Ok((self.unpack(&bytes, array, encoding)?, is_big))
             }
@@ -211,6 +212,19 @@ impl File {
                 Err(Trouble::new(message).into())
             }
         }
+    }
+
+    /// The characters of an array in base64, of which the first ones say its length; those of a
+    /// compressed array may be any that follow.
+    fn encoded_length(&self, part: &Data, encoding: Encoding) -> Outcome<u64> {
+        if encoding.is_compressed {
+            return Ok(part.len());
+        }
+        let lead = part.bytes(0, part.len().min(16), "the length of an array")?;
+        let length = decode(&lead, encoding.length_bytes);
+        // The length may have padding of its own.
+        let bytes = encoding.length(&length).saturating_add(16);
+        Ok((bytes / 3).saturating_mul(4).saturating_add(16).min(part.len()))
     }
 
     /// The numbers behind the lengths that come first.
