@@ -1,6 +1,6 @@
 //! Errors about the contents of a file.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::error::Error;
 
@@ -89,7 +89,7 @@ impl Failure {
 }
 
 /// A failure to read a file: of the disk, or of what decompresses it.
-pub(super) fn io_failure(path: &PathBuf, error: std::io::Error) -> Failure {
+pub(super) fn io_failure(path: &Path, error: std::io::Error) -> Failure {
     match error.kind() {
         std::io::ErrorKind::UnexpectedEof => {
             Trouble::new("the file ends too early").with_help("is it complete?").into()

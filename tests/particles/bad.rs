@@ -22,7 +22,7 @@ fn files_cut_anywhere_are_errors_or_shorter() {
 }
 
 fn cut(path: &std::path::Path) {
-    let whole = std::fs::read(path).unwrap();
+    let whole = std::fs::read(path).expect("a fixture");
     let name = path.display();
     let read = |bytes: &[u8]| read_bytes("memory".as_ref(), bytes, &ReadRequest::default());
     // A collection in memory has no files beside it.

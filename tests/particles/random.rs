@@ -82,7 +82,7 @@ fn apply(file: &mut Vec<u8>, change: Change) {
 /// Reads random changes of these files as their format and as what they look like.
 fn changed(format: Format, files: &[&str], cases: u32) {
     let seeds: Vec<Vec<u8>> =
-        files.iter().map(|name| std::fs::read(fixture(name)).unwrap()).collect();
+        files.iter().map(|name| std::fs::read(fixture(name)).expect("a fixture")).collect();
     for seed in &seeds {
         assert!(target::read(Some(format), seed) && target::read(None, seed));
     }

@@ -59,7 +59,7 @@ impl Data {
 
     /// Reads everything after `bytes` into memory.
     pub(in crate::particles) fn collect(
-        path: &PathBuf,
+        path: &Path,
         mut bytes: Vec<u8>,
         mut rest: impl Read,
         budget: Budget,

@@ -92,7 +92,7 @@ fn word(rest: &mut std::iter::Peekable<std::str::Chars<'_>>, is_key: bool) -> St
         }
         return word;
     }
-    while let Some(c) = rest.next_if(|&c| !c.is_whitespace() && !(is_key && c == '=')) {
+    while let Some(c) = rest.next_if(|&c| !(c.is_whitespace() || is_key && c == '=')) {
         match c {
             '\\' => word.extend(rest.next()),
             c => word.push(c),
