@@ -33,6 +33,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod names;
+pub mod particles;
 pub mod report;
 pub mod sampling;
 pub mod scene;

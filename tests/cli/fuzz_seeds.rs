@@ -71,4 +71,21 @@ replays! {
     metadata
     arguments
     viewer
+    particles_npy
+    particles_npz
+    particles_csv
+    particles_table
+    particles_xyz
+    particles_lammps_dump
+    particles_lammps_data
+    particles_pdb
+    particles_mmcif
+    particles_gro
+    particles_poscar
+    particles_ply
+    particles_gsd
+    particles_vtk_xml
+    particles_vtk_legacy
+    particles_xtc
+    particles_any
 }

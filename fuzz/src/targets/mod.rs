@@ -10,6 +10,7 @@ mod arguments;
 mod background;
 mod checkpoints;
 mod metadata;
+mod particles;
 mod pictures;
 mod render;
 mod scenes;
@@ -32,7 +33,7 @@ pub(crate) struct Target {
 }
 
 /// All targets. A new one also needs a program in `src/bin`, an entry in `Cargo.toml`, and seeds.
-pub(crate) const TARGETS: [Target; 12] = [
+pub(crate) const TARGETS: [Target; 29] = [
     Target { name: "scene", run: scenes::scene },
     Target { name: "overrides", run: scenes::overrides },
     Target { name: "render", run: render::render },
@@ -45,6 +46,23 @@ pub(crate) const TARGETS: [Target; 12] = [
     Target { name: "metadata", run: metadata::metadata },
     Target { name: "arguments", run: arguments::arguments },
     Target { name: "viewer", run: viewer::viewer },
+    Target { name: "particles_npy", run: particles::npy },
+    Target { name: "particles_npz", run: particles::npz },
+    Target { name: "particles_csv", run: particles::csv },
+    Target { name: "particles_table", run: particles::table },
+    Target { name: "particles_xyz", run: particles::xyz },
+    Target { name: "particles_lammps_dump", run: particles::lammps_dump },
+    Target { name: "particles_lammps_data", run: particles::lammps_data },
+    Target { name: "particles_pdb", run: particles::pdb },
+    Target { name: "particles_mmcif", run: particles::mmcif },
+    Target { name: "particles_gro", run: particles::gro },
+    Target { name: "particles_poscar", run: particles::poscar },
+    Target { name: "particles_ply", run: particles::ply },
+    Target { name: "particles_gsd", run: particles::gsd },
+    Target { name: "particles_vtk_xml", run: particles::vtk_xml },
+    Target { name: "particles_vtk_legacy", run: particles::vtk_legacy },
+    Target { name: "particles_xtc", run: particles::xtc },
+    Target { name: "particles_any", run: particles::any },
 ];
 
 /// Checks that an error says something, points into its text, and does nothing to a terminal.

@@ -1,19 +1,10 @@
-//! Reads the header of a NumPy file (`.npy`): the type, shape and order of its numbers.
-//!
-//! This covers what sphere tables need, and not the numbers themselves, which are read in chunks
-//! like those of any other table. The format is that of `numpy.lib.format`, versions 1.0 to 3.0.
+//! Finds the rows of sphere tables in the header of a NumPy file (`.npy`). The numbers themselves
+//! are read in chunks like those of any other table.
 
 use std::io::{self, Read};
 
+use crate::particles::npy::{self, Dtype, NpyField};
 use crate::scene::columns::NumberType;
-
-use super::literal::Literal;
-
-/// The first bytes of every NumPy file.
-const MAGIC: &[u8; 6] = b"\x93NUMPY";
-
-/// Maximum length of a header. NumPy's own limit is 10,000 bytes unless a file is trusted.
-const MAX_HEADER_BYTES: u64 = 1 << 16;
 
 /// What the header of a NumPy file says.
 #[derive(Debug, PartialEq)]
@@ -41,23 +32,9 @@ pub(in crate::scene) enum NpyRow {
     Record(Vec<NpyField>),
 }
 
-/// A field of a record.
-#[derive(Debug, PartialEq)]
-pub(in crate::scene) struct NpyField {
-    pub(in crate::scene) name: String,
-    /// The type, as NumPy writes it.
-    pub(in crate::scene) dtype: String,
-    /// Bytes of one value.
-    pub(in crate::scene) value_bytes: u64,
-    /// Number of values.
-    pub(in crate::scene) count: u64,
-}
-
-impl NpyField {
-    /// The type of the values, if a table can read them.
-    pub(in crate::scene) fn number(&self) -> Option<NumberType> {
-        number_type(&self.dtype)
-    }
+/// The type of the values of a field, if a table can read them.
+pub(in crate::scene) fn number_of(field: &NpyField) -> Option<NumberType> {
+    number_type(&field.dtype)
 }
 
 /// Reads the header at the beginning of a file; `None` if it is not a NumPy file. The inner error
@@ -68,52 +45,19 @@ impl NpyField {
 pub(in crate::scene) fn read_header(
     file: impl Read,
 ) -> io::Result<Option<Result<NpyHeader, String>>> {
-    let mut file = file.take(MAX_HEADER_BYTES);
-    let mut start = Vec::new();
-    file.by_ref().take(8).read_to_end(&mut start)?;
-    let Some(version) = start.strip_prefix(MAGIC) else { return Ok(None) };
-    let size_bytes = match version {
-        [1, 0] => 2,
-        [2 | 3, 0] => 4,
-        [major, minor] => {
-            return Ok(Some(Err(format!("of version {major}.{minor}, not 1.0, 2.0 or 3.0"))));
-        }
-        _ => return Ok(Some(Err("without a header".to_owned()))),
-    };
-    let mut size = Vec::new();
-    file.by_ref().take(size_bytes).read_to_end(&mut size)?;
-    if (size.len() as u64) < size_bytes {
-        return Ok(Some(Err("without a header".to_owned())));
-    }
-    let length = size.iter().rev().fold(0, |length, &byte| length << 8 | u64::from(byte));
-    let data_start = start.len() as u64 + size_bytes + length;
-    if data_start > MAX_HEADER_BYTES {
-        return Ok(Some(Err(format!("with a header of {length} bytes, more than 64 KiB"))));
-    }
-    let mut text = Vec::new();
-    file.take(length).read_to_end(&mut text)?;
-    if (text.len() as u64) < length {
-        return Ok(Some(Err("that ends within its header".to_owned())));
-    }
-    Ok(Some(parse(&text, data_start)))
+    let header = npy::read_header(file)?;
+    Ok(header.map(|header| header.and_then(rows_of)))
 }
 
-fn parse(text: &[u8], data_start: u64) -> Result<NpyHeader, String> {
-    let literal = Literal::parse(text);
-    let get = |key: &str| literal.as_ref()?.get(key);
-    let shape = get("shape").and_then(dimensions);
-    let (Some(descr), Some(Literal::Boolean(is_column_major)), Some(shape)) =
-        (get("descr"), get("fortran_order"), shape)
-    else {
-        return Err("whose header does not give `descr`, `fortran_order` and `shape`".to_owned());
-    };
-    let (rows, row) = match (descr, &shape[..]) {
-        (Literal::Text(dtype), &[rows, count]) => {
-            let number = number_type(dtype).ok_or_else(|| wrong_type(dtype))?;
-            (rows, NpyRow::Numbers { number, count, is_column_major: *is_column_major })
+/// The rows of an array.
+fn rows_of(header: npy::NpyHeader) -> Result<NpyHeader, String> {
+    let npy::NpyHeader { data_start, shape, is_column_major, dtype } = header;
+    let (rows, row) = match (dtype, &shape[..]) {
+        (Dtype::Simple(dtype), &[rows, count]) => {
+            let number = number_type(&dtype).ok_or_else(|| wrong_type(&dtype))?;
+            (rows, NpyRow::Numbers { number, count, is_column_major })
         }
-        (Literal::List(fields), &[rows]) => {
-            let fields: Option<Vec<_>> = fields.iter().map(parse_field).collect();
+        (Dtype::Record(fields), &[rows]) => {
             (rows, NpyRow::Record(fields.ok_or("whose header has fields of an unknown type")?))
         }
         _ => {
@@ -125,10 +69,6 @@ fn parse(text: &[u8], data_start: u64) -> Result<NpyHeader, String> {
         }
     };
     Ok(NpyHeader { data_start, rows, row })
-}
-
-fn dimensions(shape: &Literal) -> Option<Vec<u64>> {
-    shape.entries()?.iter().map(Literal::number).collect()
 }
 
 fn wrong_type(dtype: &str) -> String {
@@ -144,41 +84,13 @@ fn number_type(dtype: &str) -> Option<NumberType> {
     }
 }
 
-/// A field: a name, or a title and a name; a type; and, for an array, its shape.
-fn parse_field(field: &Literal) -> Option<NpyField> {
-    let (name, dtype, shape) = match field.entries()? {
-        [name, dtype] => (name, dtype, Vec::new()),
-        [name, dtype, shape] => (name, dtype, dimensions(shape)?),
-        _ => return None,
-    };
-    let name = match name {
-        Literal::List(names) => names.last()?,
-        name => name,
-    };
-    let (name, dtype) = (name.text()?.to_owned(), dtype.text()?.to_owned());
-    let value_bytes = type_bytes(&dtype)?;
-    let count = shape.into_iter().try_fold(1, u64::checked_mul)?;
-    Some(NpyField { name, dtype, value_bytes, count })
-}
-
-/// Bytes of a value: byte order, one letter, size, and for times a unit in brackets.
-fn type_bytes(dtype: &str) -> Option<u64> {
-    let dtype = dtype.trim_start_matches(['<', '>', '|', '=']);
-    let dtype = dtype.split('[').next()?;
-    let mut letters = dtype.chars();
-    let letter = letters.next().filter(char::is_ascii_alphabetic)?;
-    let size: u64 = letters.as_str().parse().ok()?;
-    // Strings count characters of 32 bits.
-    size.checked_mul(if letter == 'U' { 4 } else { 1 })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn header(version: [u8; 2], size_bytes: usize, text: &str) -> Vec<u8> {
         let size = (text.len() as u32).to_le_bytes();
-        [&MAGIC[..], &version, &size[..size_bytes], text.as_bytes()].concat()
+        [&b"\x93NUMPY"[..], &version, &size[..size_bytes], text.as_bytes()].concat()
     }
 
     fn read(bytes: &[u8]) -> Option<Result<NpyHeader, String>> {
@@ -217,7 +129,7 @@ mod tests {
             panic!("a record");
         };
         let found: Vec<_> =
-            fields.iter().map(|f| (&*f.name, f.number(), f.value_bytes, f.count)).collect();
+            fields.iter().map(|f| (&*f.name, number_of(f), f.value_bytes, f.count)).collect();
         let (f32, f64) = (Some(NumberType::F32), Some(NumberType::F64));
         let expected =
             [("x", f64, 8, 1), ("at", f32, 4, 6), ("name", None, 20, 1), ("", None, 3, 1)];

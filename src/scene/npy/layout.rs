@@ -1,11 +1,12 @@
 //! Finds the columns of a sphere table in a NumPy array.
 
+use crate::particles::npy::NpyField;
 use crate::scene::columns::{Column, FileColumn, NumberType};
 use crate::scene::table_layout::{
     ColumnLayout, FileTable, LayoutError, RowShape, TableLayout, plural,
 };
 
-use super::header::{NpyField, NpyHeader, NpyRow};
+use super::header::{NpyHeader, NpyRow, number_of};
 
 /// Maximum numbers in a record whose columns are not listed.
 const MAX_UNLISTED_COLUMNS: u64 = 4096;
@@ -102,14 +103,14 @@ impl FileTable<'_> {
         };
         self.check_types(total, |at| {
             let field = field_of(at);
-            (field.and_then(NpyField::number), field.map_or("", |field| &field.dtype).to_owned())
+            (field.and_then(number_of), field.map_or("", |field| &field.dtype).to_owned())
         })?;
         let mut place = 0;
         let mut columns = Vec::new();
         for field in fields {
             for _ in 0..field.count {
                 if let (Some(number), Some(&column)) =
-                    (field.number(), self.columns.get(columns.len()))
+                    (number_of(field), self.columns.get(columns.len()))
                 {
                     columns.push((column, place, number));
                 } else {

@@ -3,6 +3,5 @@
 
 mod header;
 mod layout;
-mod literal;
 
 pub(super) use header::read_header;

@@ -1,0 +1,3 @@
+#![no_main]
+
+photosphere_fuzz::fuzz!("particles_npy");

@@ -1,0 +1,3 @@
+#![no_main]
+
+photosphere_fuzz::fuzz_text!("particles_table");

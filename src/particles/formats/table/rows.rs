@@ -1,0 +1,189 @@
+//! Rows of a table.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::particles::text::{Batch, FieldUse, Fields, LineParser, float, float_with_comma};
+use crate::particles::trouble::{plural, shown};
+
+/// Parses rows with a delimiter. Empty lines and comments are left out.
+pub(super) struct DelimitedRows {
+    uses: Vec<FieldUse>,
+    names: Vec<String>,
+    delimiter: u8,
+    has_decimal_comma: bool,
+    /// The value that should have been a number, after an error.
+    wrong: AtomicUsize,
+}
+
+/// Parses rows of another kind. Empty lines and comments are left out.
+pub(super) struct Commented<P>(pub(super) P);
+
+impl<P: LineParser> LineParser for Commented<P> {
+    fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String> {
+        if is_comment(line) { Ok(()) } else { self.0.parse(line, to) }
+    }
+}
+
+/// Returns true for empty lines and comments.
+pub(super) fn is_comment(line: &[u8]) -> bool {
+    let start = line.trim_ascii_start();
+    start.is_empty() || start[0] == b'#' || start.starts_with(b"//")
+}
+
+impl DelimitedRows {
+    pub(super) fn new(fields: &Fields, delimiter: u8, has_decimal_comma: bool) -> Self {
+        Self {
+            uses: fields.0.iter().map(|field| field.is).collect(),
+            names: fields.0.iter().map(|field| field.name.clone()).collect(),
+            delimiter,
+            has_decimal_comma,
+            wrong: AtomicUsize::new(usize::MAX),
+        }
+    }
+
+    /// The value that should have been a number, after an error.
+    pub(super) fn wrong_field(&self) -> Option<usize> {
+        Some(self.wrong.load(Ordering::Relaxed)).filter(|&at| at != usize::MAX)
+    }
+
+    fn number(&self, token: &[u8]) -> Option<f64> {
+        if self.has_decimal_comma { float_with_comma(token) } else { float(token) }
+    }
+
+    #[cold]
+    fn wrong_count(&self, line: &[u8]) -> String {
+        let found = Cells::new(line, self.delimiter).count();
+        let expected = plural(self.uses.len() as u64, "value");
+        if found < self.uses.len() {
+            let missing = self.names[found..].iter().take(6).map(|name| &**name);
+            let missing = missing.collect::<Vec<_>>().join(" ");
+            return format!("expected {expected}, found {found} ({missing} missing)");
+        }
+        format!("expected {expected}, found {found}")
+    }
+
+    #[cold]
+    fn wrong_value(&self, at: usize, token: &[u8]) -> String {
+        let what = match self.uses[at] {
+            FieldUse::Position(_) => "a finite number",
+            _ => {
+                self.wrong.store(at, Ordering::Relaxed);
+                "a number"
+            }
+        };
+        format!("expected {what} for `{}`, found {}", self.names[at], shown(token))
+    }
+}
+
+impl LineParser for DelimitedRows {
+    fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String> {
+        if is_comment(line) {
+            return Ok(());
+        }
+        let mut cells = Cells::new(line, self.delimiter);
+        let mut position = [0.0; 3];
+        let mut columns = to.columns.iter_mut();
+        for (at, is) in self.uses.iter().enumerate() {
+            let Some(cell) = cells.next() else { return Err(self.wrong_count(line)) };
+            let is_right = match is {
+                FieldUse::Skipped => true,
+                FieldUse::Position(axis) => {
+                    position[*axis] = self.number(cell).unwrap_or(f64::NAN);
+                    position[*axis].is_finite()
+                }
+                FieldUse::Column(_) => columns.next().is_some_and(|column| {
+                    let is_comma = self.has_decimal_comma && !column.is_text();
+                    match is_comma.then(|| float_with_comma(cell)).flatten() {
+                        Some(value) if cell.contains(&b',') => {
+                            column.push_float(value);
+                            true
+                        }
+                        _ => column.push(cell),
+                    }
+                }),
+            };
+            if !is_right {
+                return Err(self.wrong_value(at, cell));
+            }
+        }
+        if cells.next().is_some() {
+            return Err(self.wrong_count(line));
+        }
+        to.positions.push(position);
+        Ok(())
+    }
+}
+
+/// The cells of a line, without space and quotes around them.
+pub(super) struct Cells<'l> {
+    rest: Option<&'l [u8]>,
+    delimiter: u8,
+}
+
+impl<'l> Cells<'l> {
+    pub(super) fn new(line: &'l [u8], delimiter: u8) -> Self {
+        Self { rest: Some(line), delimiter }
+    }
+}
+
+impl<'l> Iterator for Cells<'l> {
+    type Item = &'l [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'l [u8]> {
+        let rest = self.rest?;
+        let start = rest.iter().position(|&b| b != b' ').unwrap_or(rest.len());
+        if rest.get(start) == Some(&b'"') {
+            return Some(self.quoted(&rest[start + 1..]));
+        }
+        let end = rest[start..].iter().position(|&b| b == self.delimiter);
+        let cell = match end {
+            Some(end) => {
+                self.rest = Some(&rest[start + end + 1..]);
+                &rest[start..start + end]
+            }
+            None => {
+                self.rest = None;
+                &rest[start..]
+            }
+        };
+        Some(cell.trim_ascii_end())
+    }
+}
+
+impl<'l> Cells<'l> {
+    /// A cell after its opening quote; doubled quotes stay as they are.
+    #[cold]
+    fn quoted(&mut self, text: &'l [u8]) -> &'l [u8] {
+        let mut at = 0;
+        let close = loop {
+            match text[at..].iter().position(|&b| b == b'"') {
+                Some(quote) if text.get(at + quote + 1) == Some(&b'"') => at += quote + 2,
+                Some(quote) => break at + quote,
+                None => break text.len(),
+            }
+        };
+        let after = text.get(close + 1..).unwrap_or_default();
+        let next = after.iter().position(|&b| b == self.delimiter);
+        self.rest = next.map(|next| &after[next + 1..]);
+        &text[..close]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_split_and_trimmed() {
+        let cells = |line: &str| -> Vec<String> {
+            let cells = Cells::new(line.as_bytes(), b',');
+            cells.map(|cell| String::from_utf8_lossy(cell).into_owned()).collect()
+        };
+        assert_eq!(cells("1, 2 ,3"), ["1", "2", "3"]);
+        assert_eq!(cells("a,,"), ["a", "", ""]);
+        assert_eq!(cells("\"a,b\",\"c \"\"d\"\"\" , e"), ["a,b", "c \"\"d\"\"", "e"]);
+        assert_eq!(cells(""), [""]);
+        assert_eq!(cells("\"open"), ["open"]);
+    }
+}

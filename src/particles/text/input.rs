@@ -1,0 +1,210 @@
+//! Text that is read forward, with its lines counted. A thread of its own reads and decompresses
+//! ahead.
+
+use std::io::{self, Read};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
+
+use crate::particles::source::Source;
+use crate::particles::trouble::{Outcome, Trouble, io_failure};
+
+/// Bytes of a block that is read ahead.
+const BLOCK_BYTES: usize = 4 << 20;
+
+/// Bytes that are parsed at a time, at least.
+const PARSED_BYTES: usize = 8 << 20;
+
+/// Longest line of a header.
+const MAX_LINE_BYTES: usize = 1 << 20;
+
+/// What some programs write before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Text that is read forward.
+pub(in crate::particles) struct Input {
+    path: PathBuf,
+    blocks: Option<Receiver<io::Result<Vec<u8>>>>,
+    buffer: Vec<u8>,
+    start: usize,
+    line: u64,
+}
+
+impl Input {
+    /// Begins to read.
+    pub(in crate::particles) fn new(source: Source) -> Self {
+        let is_short = source.is_short();
+        let Source { path, head, rest, .. } = source;
+        let blocks = (!is_short).then(|| read_ahead(rest));
+        let start = if head.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        Self { path, blocks, buffer: head, start, line: 1 }
+    }
+
+    /// Number of the next line; the first is 1.
+    pub(in crate::particles) fn line_number(&self) -> u64 {
+        self.line
+    }
+
+    /// The next line without its end, if there is one; it stays the next one.
+    pub(in crate::particles) fn peek_line(&mut self) -> Outcome<Option<&[u8]>> {
+        Ok(self.find_line()?.map(|end| trimmed(&self.buffer[self.start..end])))
+    }
+
+    /// The next line without its end; `None` after the last one.
+    pub(in crate::particles) fn next_line(&mut self) -> Outcome<Option<String>> {
+        let Some(end) = self.find_line()? else { return Ok(None) };
+        let line = String::from_utf8_lossy(trimmed(&self.buffer[self.start..end])).into_owned();
+        self.start = (end + 1).min(self.buffer.len());
+        self.line += 1;
+        Ok(Some(line))
+    }
+
+    /// The next line, which must exist. `expected` completes "expected ...".
+    pub(in crate::particles) fn expect_line(&mut self, expected: &str) -> Outcome<String> {
+        let line = self.line;
+        self.next_line()?.ok_or_else(|| {
+            Trouble::at(line, format!("expected {expected}, found the end of the file")).into()
+        })
+    }
+
+    /// Index of the end of the next line; `None` at the end of the text.
+    fn find_line(&mut self) -> Outcome<Option<usize>> {
+        let mut searched = 0;
+        loop {
+            let rest = &self.buffer[self.start..];
+            if let Some(end) = memchr::memchr(b'\n', &rest[searched..]) {
+                return Ok(Some(self.start + searched + end));
+            }
+            searched = rest.len();
+            if searched > MAX_LINE_BYTES {
+                let message = format!("the line has more than {MAX_LINE_BYTES} bytes");
+                return Err(Trouble::at(self.line, message).into());
+            }
+            if !self.fill()? {
+                let len = self.buffer.len();
+                return Ok((self.start < len).then_some(len));
+            }
+        }
+    }
+
+    /// Moves past the next `count` lines; returns how many there were.
+    pub(in crate::particles) fn skip_lines(&mut self, count: u64) -> Outcome<u64> {
+        let mut left = count;
+        while left > 0 {
+            let (lines, end) = self.find_lines(left)?;
+            if lines == 0 {
+                break;
+            }
+            left -= lines;
+            self.consume(end, lines);
+        }
+        Ok(count - left)
+    }
+
+    /// The next whole lines, of which there are at most `most`, and their number; none at the end.
+    pub(in crate::particles) fn peek_lines(&mut self, most: u64) -> Outcome<(&[u8], u64)> {
+        while self.buffer.len() - self.start < PARSED_BYTES {
+            if !self.fill()? {
+                break;
+            }
+        }
+        let (lines, end) = self.find_lines(most)?;
+        Ok((&self.buffer[self.start..end], lines))
+    }
+
+    /// Moves past lines that [`Self::peek_lines`] returned.
+    pub(in crate::particles) fn consume_lines(&mut self, bytes: usize, lines: u64) {
+        self.consume(self.start + bytes, lines);
+    }
+
+    fn consume(&mut self, end: usize, lines: u64) {
+        self.start = end;
+        self.line += lines;
+    }
+
+    /// Finds at most `most` whole lines in the buffer, and at least one unless the text is over:
+    /// their number, and where the last one ends.
+    fn find_lines(&mut self, most: u64) -> Outcome<(u64, usize)> {
+        if most == 0 {
+            return Ok((0, self.start));
+        }
+        loop {
+            let rest = &self.buffer[self.start..];
+            if let Some((lines, end)) = whole_lines(rest, most) {
+                return Ok((lines, self.start + end));
+            }
+            if rest.len() > PARSED_BYTES {
+                let message = format!("the line has more than {PARSED_BYTES} bytes");
+                return Err(Trouble::at(self.line, message).into());
+            }
+            if !self.fill()? {
+                let lines = u64::from(self.start < self.buffer.len());
+                return Ok((lines, self.buffer.len()));
+            }
+        }
+    }
+
+    /// Adds a block to the buffer; false at the end of the text.
+    fn fill(&mut self) -> Outcome<bool> {
+        let Some(blocks) = &self.blocks else { return Ok(false) };
+        match blocks.recv() {
+            Ok(Ok(block)) => {
+                self.buffer.drain(..self.start);
+                self.start = 0;
+                self.buffer.extend_from_slice(&block);
+                Ok(true)
+            }
+            Ok(Err(error)) => Err(io_failure(&self.path, error)),
+            Err(_) => {
+                self.blocks = None;
+                Ok(false)
+            }
+        }
+    }
+}
+
+/// Number and length of the first whole lines, of which there are at most `most`.
+fn whole_lines(text: &[u8], most: u64) -> Option<(u64, usize)> {
+    /// From here on, counting all lines is faster than finding each.
+    const MANY: u64 = 1 << 16;
+    if most > MANY {
+        let last = memchr::memrchr(b'\n', text)?;
+        let lines = memchr::memchr_iter(b'\n', &text[..=last]).count() as u64;
+        if lines <= most {
+            return Some((lines, last + 1));
+        }
+    }
+    let ends = memchr::memchr_iter(b'\n', text).take(most as usize);
+    let (lines, last) = ends.fold((0, None), |(lines, _), end| (lines + 1, Some(end)));
+    Some((lines, last? + 1))
+}
+
+/// A line without its end.
+fn trimmed(line: &[u8]) -> &[u8] {
+    line.strip_suffix(b"\r").unwrap_or(line)
+}
+
+/// Reads blocks in a thread of its own, two ahead, growing from small ones.
+fn read_ahead(mut from: Box<dyn Read + Send>) -> Receiver<io::Result<Vec<u8>>> {
+    let (sender, receiver) = sync_channel(2);
+    let work = move || {
+        let mut size = BLOCK_BYTES / 16;
+        loop {
+            let mut block = Vec::with_capacity(size);
+            let read = from.by_ref().take(size as u64).read_to_end(&mut block);
+            let is_last = block.len() < size;
+            let is_over = (!block.is_empty() && sender.send(Ok(block)).is_err()) || is_last;
+            if let Err(error) = read {
+                // Nobody listens any more.
+                let _ = sender.send(Err(error));
+                return;
+            }
+            if is_over {
+                return;
+            }
+            size = (2 * size).min(BLOCK_BYTES);
+        }
+    };
+    thread::spawn(work);
+    receiver
+}
