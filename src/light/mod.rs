@@ -304,8 +304,8 @@ impl Lights {
         CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, ctx)
     }
 
-    /// Returns [`Self::pdf_by`] of the environment, given the pdf of its map. A direction to the sun
-    /// is also one to the map, so their pdfs add up.
+    /// Returns [`Self::pdf_by`] of the environment, given the pdf of its map. A direction to the
+    /// sun is also one to the map, so their pdfs add up.
     pub fn environment_pdf(
         &self,
         category_pmf: &CategoryPmf,

@@ -48,9 +48,9 @@ pub struct Boundary {
 /// What happens to a path's media where it crosses a boundary.
 #[derive(Clone, Copy, Debug)]
 pub enum Crossing {
-    /// It enters this medium.
+    /// Into this medium.
     Enter(Medium),
-    /// It leaves the medium of this sphere.
+    /// Out of the medium of this sphere.
     Leave(u32),
 }
 

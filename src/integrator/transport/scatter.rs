@@ -92,7 +92,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.context.prepared.is_light_trapped(hit.id, hit.point, direction)
     }
 
-    /// Continues the path in the sampled direction `wi`, from a point that sampled `lights`. Returns the ray on which it continues.
+    /// Continues the path in the sampled direction `wi`, from a point that sampled `lights`.
+    /// Returns the ray on which it continues.
     #[inline(always)]
     pub(super) fn scatter(
         &mut self,

@@ -10,8 +10,10 @@ use crate::geometry::{PathRay, SphereSet};
 use crate::math::Ray;
 
 use super::super::rays;
-use super::MAX_BRUTE_FORCE_SPHERES;
 use super::measurement::{Quartiles, SAMPLES_PER_PIXEL};
+
+/// Largest number of spheres for which brute force is worth the wait.
+pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 
 /// Number of ray sets that [`BackendSet::ray_sets`] returns.
 pub const RAY_SETS: usize = 4;

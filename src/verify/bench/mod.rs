@@ -21,7 +21,9 @@ use crate::task::CancelToken;
 use backend_set::BuiltBackend;
 use measurement::{Measurement, sample_evenly};
 
-pub use backend_set::{BackendSet, CAMERA, RAY_SETS, RaySet, SECOND_BOUNCE, camera_rays};
+pub use backend_set::{
+    BackendSet, CAMERA, MAX_BRUTE_FORCE_SPHERES, RAY_SETS, RaySet, SECOND_BOUNCE, camera_rays,
+};
 pub use measure::{BenchPlan, SceneBench, Suite, SuiteEntry, SuiteEvent};
 pub use measurement::{Quartiles, QueryKind};
 pub use record::Record;
@@ -77,9 +79,6 @@ impl Rates {
         }
     }
 }
-
-/// Largest number of spheres for which brute force is worth the wait.
-pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 
 /// Benchmarks every backend on the current rayon pool.
 ///

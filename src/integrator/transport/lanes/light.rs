@@ -6,9 +6,9 @@ use crate::math::Isa;
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
-use super::VertexKind;
 use super::kernels::{SampleCutEmitter, SampleSingleEmitter};
 use super::vertex_batch::VertexBatch;
+use super::vertex_kind::VertexKind;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// Samples a light for every lane. Lanes of other kinds than Lambertian ones may be left

@@ -6,6 +6,8 @@ use crate::light::{CategoryPmf, LaneLightSample, LanePoint, LightSample, LightSo
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
+use super::vertex_kind::VertexKind;
+
 /// The vertices that are shaded together: all of one kind.
 #[derive(Default)]
 pub(in super::super) struct VertexBatch {
@@ -20,6 +22,12 @@ pub(in super::super) struct VertexBatch {
     pub(super) numbers: NumberLanes,
     pub(super) light: LightSampleLanes,
     pub(super) bsdf: BsdfSampleLanes,
+}
+
+/// A batch for each kind.
+#[derive(Default)]
+pub(in super::super::super) struct VertexBatches {
+    batches: [VertexBatch; VertexKind::COUNT],
 }
 
 /// Per-vertex data that no vector stage computes with.
@@ -124,13 +132,22 @@ impl Default for SampledSource {
     }
 }
 
+impl VertexBatches {
+    /// Returns the batch of a kind.
+    #[inline(always)]
+    pub(super) fn of_kind(&mut self, kind: VertexKind) -> &mut VertexBatch {
+        &mut self.batches[kind as usize]
+    }
+}
+
 impl VertexBatch {
     /// Returns true if the batch is full.
     pub(super) fn is_full(&self) -> bool {
         self.count == LANES
     }
 
-    /// Adds a vertex at the end of edge `depth`, where a ray hits a sphere, or its exit point there.
+    /// Adds a vertex at the end of edge `depth`, where a ray hits a sphere, or its exit point
+    /// there.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
