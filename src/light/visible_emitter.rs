@@ -187,7 +187,7 @@ fn cone_in_lane(at: &LanePoint, emitter: &Sphere) -> (Cone, bool) {
     let to_center = emitter.center - at.point;
     let distance = to_center.length();
     let cone = Cone::from_axis(to_center, distance, emitter.radius);
-    (cone, !(emitter.radius < distance))
+    (cone, distance <= emitter.radius)
 }
 
 #[inline(always)]

@@ -37,7 +37,7 @@ impl SimdKernel for Intersect<'_> {
             let (origin, direction) = (rays.origin.get(lane), rays.direction.get(lane));
             let (t_exit, is_exit) = (rays.t_exit.0[lane], rays.is_exit.0[lane]);
             let t = sphere.hit_distance(origin, direction, rays.t_min.0[lane]);
-            hit.is_lost.0[lane] = !is_exit & !(t < t_exit);
+            hit.is_lost.0[lane] = !is_exit & (t >= t_exit);
             let t = if is_exit { t_exit } else { t };
             let (point, normal) = sphere.reproject(origin, direction, t);
             let is_inside = is_exit | (direction.dot(normal) > 0.0);
