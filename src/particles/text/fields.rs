@@ -6,7 +6,7 @@ use crate::particles::request::{ColumnInfo, ColumnKind, Wanted};
 use crate::particles::trouble::{Trouble, plural, shown};
 
 use super::batch::{Batch, Kind};
-use super::number::{float, tokens};
+use super::number::{float, short_float, tokens};
 use super::rows::LineParser;
 
 /// The values of a row.
@@ -186,6 +186,15 @@ impl LineParser for SpacedRows {
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
         for (at, is) in self.uses[..self.last].iter().enumerate() {
+            if *is == FieldUse::Column(Kind::F64) || matches!(is, FieldUse::Position(_)) {
+                if let Some(value) = short_number(&mut rest) {
+                    match is {
+                        FieldUse::Position(axis) => position[*axis] = value,
+                        _ => columns.next().into_iter().for_each(|c| c.push_float(value)),
+                    }
+                    continue;
+                }
+            }
             let token = self.next(&mut rest);
             if token.is_empty() {
                 return Err(self.wrong_count(line));
@@ -213,6 +222,19 @@ impl LineParser for SpacedRows {
         to.positions.push(position);
         Ok(())
     }
+}
+
+/// Takes the next token off a line, if it is a number that is quick to read.
+#[inline]
+fn short_number(rest: &mut &[u8]) -> Option<f64> {
+    let start = rest.iter().position(|&byte| byte > b' ')?;
+    let (value, length) = short_float(&rest[start..])?;
+    let after = &rest[start + length..];
+    if after.first().is_some_and(|&byte| byte > b' ') {
+        return None;
+    }
+    *rest = after;
+    Some(value)
 }
 
 /// Takes the next token off a line; empty at its end.

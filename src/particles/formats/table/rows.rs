@@ -2,7 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::particles::text::{Batch, FieldUse, Fields, LineParser, float, float_with_comma};
+use crate::particles::text::{
+    Batch, FieldUse, Fields, Kind, LineParser, float, float_with_comma, short_float,
+};
 use crate::particles::trouble::{plural, shown};
 
 /// Parses rows with a delimiter. Empty lines and comments are left out.
@@ -84,6 +86,22 @@ impl LineParser for DelimitedRows {
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
         for (at, is) in self.uses.iter().enumerate() {
+            if !self.has_decimal_comma {
+                let value = match is {
+                    FieldUse::Position(_) | FieldUse::Column(Kind::F64) => cells.short_number(),
+                    _ => None,
+                };
+                match (is, value) {
+                    (FieldUse::Position(axis), Some(value)) => position[*axis] = value,
+                    (_, Some(value)) => {
+                        columns.next().into_iter().for_each(|column| column.push_float(value));
+                    }
+                    _ => {}
+                }
+                if value.is_some() {
+                    continue;
+                }
+            }
             let Some(cell) = cells.next() else { return Err(self.wrong_count(line)) };
             let is_right = match is {
                 FieldUse::Skipped => true,
@@ -152,6 +170,19 @@ impl<'l> Iterator for Cells<'l> {
 }
 
 impl<'l> Cells<'l> {
+    /// The next cell, if it is a number that is quick to read, without space around it.
+    #[inline]
+    fn short_number(&mut self) -> Option<f64> {
+        let rest = self.rest?;
+        let (value, length) = short_float(rest)?;
+        match rest.get(length) {
+            None => self.rest = None,
+            Some(&byte) if byte == self.delimiter => self.rest = Some(&rest[length + 1..]),
+            _ => return None,
+        }
+        Some(value)
+    }
+
     /// A cell after its opening quote; doubled quotes stay as they are.
     #[cold]
     fn quoted(&mut self, text: &'l [u8]) -> &'l [u8] {
