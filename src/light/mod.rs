@@ -13,6 +13,7 @@ mod environment;
 mod light_bounds;
 mod light_sampler;
 mod light_tree;
+pub mod specular;
 mod visible_emitter;
 
 pub use context::LightSampleContext;

@@ -1,0 +1,168 @@
+//! Every connection, traced again, arrives, and its spread is that of the traced ray's derivatives.
+
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+use crate::sampling::{Sampler, exp, hemisphere, ln};
+
+use super::super::{Connection, Target, inward, outward, reflection, through};
+use super::traced_ray::{Event, TracedRay};
+
+/// Random configurations of each kind.
+const CONFIGURATIONS: u32 = 20_000;
+/// Cosine of an angle of incidence below which rounding moves a traced ray too far.
+const GRAZING: f64 = 1e-4;
+
+/// A random ball with random points.
+pub(super) struct Configuration {
+    pub(super) ball: Sphere,
+    pub(super) ior: f64,
+    /// Points outside, from 1e-4 to 1e3 radii away from the surface.
+    pub(super) outside: [DVec3; 2],
+    pub(super) inside: DVec3,
+    pub(super) direction: DVec3,
+}
+
+impl Configuration {
+    pub(super) fn new(index: u32) -> Self {
+        let sampler = Sampler::independent(5, index.into(), 0);
+        let u = |d: u32| sampler.get(d);
+        let direction = |d: u32| unit_vector([u(d), u(d + 1)]);
+        let log = |u: f64, low: f64, high: f64| exp(ln(low) + u * (ln(high) - ln(low)));
+        let radius = log(u(0), 0.01, 100.0);
+        let center = (DVec3::new(u(1), u(2), u(3)) - 0.5) * 10.0;
+        let x = direction(5);
+        // Half of the others are near the axis, opposite of x or on its side.
+        let axis = [DVec3::ZERO, -x, DVec3::ZERO, x][index as usize % 4];
+        let other = |d: u32| match axis == DVec3::ZERO {
+            true => direction(d),
+            false => (axis + direction(d) * log(u(16), 1e-4, 0.5)).normalize(),
+        };
+        let at_distance =
+            |axis: DVec3, u: f64| center + axis * (radius * (1.0 + log(u, 1e-4, 1e3)));
+        Self {
+            ball: Sphere { center, radius },
+            ior: if index % 5 == 0 { log(u(4), 0.3, 0.98) } else { log(u(4), 1.02, 4.0) },
+            outside: [at_distance(x, u(7)), at_distance(other(8), u(10))],
+            inside: center + x * (radius * u(13)),
+            direction: other(14),
+        }
+    }
+
+    pub(super) fn targets(&self) -> [Target; 2] {
+        [Target::Point(self.outside[1]), Target::Direction(self.direction)]
+    }
+}
+
+fn unit_vector(u: [f64; 2]) -> DVec3 {
+    let upper = hemisphere::sample_uniform_cone(2.0, u);
+    upper.normalize()
+}
+
+/// Largest errors of many connections.
+#[derive(Debug, Default)]
+struct Worst {
+    count: usize,
+    miss: f64,
+    spread: f64,
+    leg: f64,
+}
+
+impl Worst {
+    fn check(
+        &mut self,
+        connection: &Connection,
+        (ball, ior): (&Sphere, f64),
+        (x, y): (DVec3, Target),
+        events: &[Event],
+    ) {
+        self.count += 1;
+        let cosines = [connection.cos_outside, connection.cos_inside];
+        if cosines.iter().any(|&cos| cos > 0.0 && cos < GRAZING) {
+            return;
+        }
+        let ray = TracedRay::along(connection, ball, ior, x, events).expect("the path exists");
+        self.miss = self.miss.max(ray.miss(ball, y));
+        let traced = ray.spread(y);
+        // At a caustic the traced derivatives cancel, too: there, compared with a straight path.
+        let length = match y {
+            Target::Point(_) => connection.leg_at_x + connection.chord + connection.leg_at_y,
+            Target::Direction(_) => 1.0,
+        };
+        let scale = traced + 1e-4 * length * length;
+        self.spread = self.spread.max((connection.spread - traced).abs() / scale);
+        let last = *connection.points().last().expect("at least one");
+        self.leg = self.leg.max(last.distance(ray.origin) / ball.radius);
+        if let Target::Point(y) = y {
+            let back = last - y;
+            let off = back.cross(connection.direction_at_y).length() / y.distance(ball.center);
+            self.miss = self.miss.max(off);
+            self.leg = self.leg.max((back.length() - connection.leg_at_y).abs() / length);
+        }
+        let first = connection.points()[0] - x;
+        let distance = x.distance(ball.center);
+        self.leg = self.leg.max((first.length() - connection.leg_at_x).abs() / distance);
+        for pair in connection.points().windows(2) {
+            self.leg =
+                self.leg.max((pair[0].distance(pair[1]) - connection.chord).abs() / ball.radius);
+        }
+    }
+
+    #[track_caller]
+    fn assert(&self, min_count: usize) {
+        let Self { count, miss, spread, leg } = *self;
+        assert!(count >= min_count, "{self:?}");
+        assert!(miss < 1e-9 && leg < 1e-9 && spread < 1e-5, "{self:?}");
+    }
+}
+
+#[test]
+fn reflections_arrive_and_spread_as_traced_rays_do() {
+    let mut worst = Worst::default();
+    for index in 0..CONFIGURATIONS {
+        let configuration = Configuration::new(index);
+        let Configuration { ball, outside: [x, _], .. } = configuration;
+        for y in configuration.targets() {
+            let Some(found) = reflection(&ball, x, y) else { continue };
+            worst.check(&found, (&ball, 1.0), (x, y), &[Event::Reflect]);
+        }
+    }
+    worst.assert(23_000);
+}
+
+#[test]
+fn paths_through_arrive_and_spread_as_traced_rays_do() {
+    for inner in [0, 1] {
+        let mut worst = Worst::default();
+        for index in 0..CONFIGURATIONS {
+            let configuration = Configuration::new(index);
+            let Configuration { ball, ior, outside: [x, _], .. } = configuration;
+            for y in configuration.targets() {
+                for found in through(&ball, ior, inner, x, y).iter() {
+                    let events = [Event::Refract, Event::Reflect, Event::Refract];
+                    let events = if inner == 0 { &[Event::Refract; 2][..] } else { &events };
+                    worst.check(found, (&ball, ior), (x, y), events);
+                }
+            }
+        }
+        worst.assert([21_000, 33_000][inner as usize]);
+    }
+}
+
+#[test]
+fn paths_across_a_boundary_arrive_and_spread_as_traced_rays_do() {
+    let mut worst = Worst::default();
+    for index in 0..CONFIGURATIONS {
+        let configuration = Configuration::new(index);
+        let Configuration { ball, ior, inside, outside: [x, _], .. } = configuration;
+        for y in configuration.targets() {
+            for found in outward(&ball, ior, inside, y).iter() {
+                worst.check(found, (&ball, ior), (inside, y), &[Event::Refract]);
+            }
+        }
+        let y = Target::Point(inside);
+        for found in inward(&ball, ior, x, inside).iter() {
+            worst.check(found, (&ball, ior), (x, y), &[Event::Refract]);
+        }
+    }
+    worst.assert(57_000);
+}
