@@ -18,6 +18,10 @@ const MAX_STEPS: usize = 80;
 /// Steps to the stationary point. Tests find at most 14.
 const MAX_STATIONARY_STEPS: usize = 24;
 
+/// `sin v` up to which a ray is on the axis: there, `theta` and the angle at x are proportional up
+/// to the square of this, and both are too small for a direction to tell.
+pub(super) const ON_AXIS: f64 = 1e-7;
+
 /// The angles at the sphere, in the order of [`Deflection`]'s terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Angle {
@@ -113,6 +117,13 @@ impl Deflection {
             half = half * half_term(weight, cos, sin);
         }
         Evaluation { half, slope, sin_v, cos_v, sines, cosines }
+    }
+
+    /// Evaluates the sum where the sine of one of its angles is known.
+    #[inline(always)]
+    pub(super) fn eval_at(&self, angle: Angle, sin: f64) -> Evaluation {
+        let s = (sin / self.ratio(angle)).clamp(0.0, 1.0);
+        self.eval(s / (1.0 + ((1.0 - s) * (1.0 + s)).sqrt()))
     }
 
     /// Splits `[0, 1]` into the intervals in which `psi` is monotone: one, or two (the second

@@ -4,31 +4,18 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::connection::{Connection, Connections};
-use super::deflection::{Angle, Deflection, Evaluation};
+use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
 use super::phase::Phase;
 use super::plane::{Plane, Target};
 use super::reflection::outer_leg;
 
-/// The most reflections on the inner side that are connected.
-pub const MAX_INNER_REFLECTIONS: u32 = 1;
-
 /// Returns all paths between two points outside of a ball, whose index of refraction over that of
 /// its surroundings is `ior`, that enter it, are reflected `inner` times on its inner side, 0 or 1
 /// times, and leave it.
-pub fn through(ball: &Sphere, ior: f64, inner: u32, x: DVec3, y: Target) -> Connections {
+pub(super) fn connect(ball: &Sphere, ior: f64, inner: u32, x: DVec3, y: Target) -> Connections {
     let mut all = Connections::NONE;
     let plane = Plane::new(*ball, x, y);
-    let [d1, d2] = plane.distances;
-    if !(d1 >= 1.0 && d2 >= 1.0) || inner > MAX_INNER_REFLECTIONS {
-        return all;
-    }
-    // psi = 2 i - alpha - beta - 2 (k + 1) t; the sum of all angles at the centre is that plus
-    // (k + 1) pi. The largest sine is that of i in dense balls and of t in others.
-    let scale = f64::min(1.0, ior);
-    let deflection = Deflection::new(
-        [2, -1, -1, if inner == 0 { -2 } else { -4 }],
-        [scale, scale / d1, scale / d2, if ior < 1.0 { 1.0 } else { 1.0 / ior }],
-    );
+    let Some(deflection) = deflection(&plane, ior, inner) else { return all };
     let (cos, sin) = (plane.cos_theta, plane.sin_theta);
     let branches = deflection.branches();
     let mut connect = |half_target: Phase, side: f64| {
@@ -61,6 +48,27 @@ pub fn through(ball: &Sphere, ior: f64, inner: u32, x: DVec3, y: Target) -> Conn
     all
 }
 
+/// Returns the spread of a path that leaves x at an angle of this sine from the axis.
+pub(super) fn spread(plane: &Plane, ior: f64, inner: u32, sin_at_x: f64) -> Option<f64> {
+    let deflection = deflection(plane, ior, inner)?;
+    let root = deflection.eval_at(Angle::AtX, sin_at_x);
+    Some(connection(plane, inner, &deflection, &root, 1.0).spread)
+}
+
+/// The angle `2 i - alpha - beta - 2 (k + 1) t`: that at the centre minus `(k + 1) pi`.
+#[inline(always)]
+fn deflection(plane: &Plane, ior: f64, inner: u32) -> Option<Deflection> {
+    let [d1, d2] = plane.distances;
+    if !(d1 >= 1.0 && d2 >= 1.0) {
+        return None;
+    }
+    // The largest sine is that of i in dense balls and of t in others.
+    let scale = f64::min(1.0, ior);
+    let weights = [2, -1, -1, if inner == 0 { -2 } else { -4 }];
+    let inside = if ior < 1.0 { 1.0 } else { 1.0 / ior };
+    Some(Deflection::new(weights, [scale, scale / d1, scale / d2, inside]))
+}
+
 /// The path of a root that goes around the centre on the side of y (1) or on the other side (-1).
 #[inline(always)]
 fn connection(
@@ -78,7 +86,10 @@ fn connection(
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
     // d theta / d alpha = psi'(v) / (d alpha / d v), with d1 cos alpha d alpha = d h.
     let per_radian = root.slope.abs() * cos_alpha / (deflection.ratio(Angle::AtX) * root.cos_v);
-    let ratio = if sin_alpha > 0.0 { plane.sin_theta / sin_alpha } else { per_radian };
+    let ratio = match root.sin_v > ON_AXIS {
+        true => plane.sin_theta / sin_alpha,
+        false => per_radian,
+    };
     let (leg, area) = match d2 < f64::INFINITY {
         true => (outer_leg(d2, cos_beta, cos_i), d2 * d2 * radius * radius),
         false => (f64::INFINITY, 1.0),

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use crate::math::DVec3;
 use crate::sampling::safe_acos;
 
-use super::super::{Target, inward, outward, reflection, through};
+use super::super::{SpecularPath, Target};
 use super::tracing::Configuration;
 
 /// Points of a scan.
@@ -87,7 +87,10 @@ fn a_reflection_exists_where_the_straight_line_is_free() {
             Target::Direction(direction) => (direction, f64::INFINITY),
         };
         let is_free = ball.first_root(x, to_y, 0.0, far).is_none();
-        (usize::from(reflection(&ball, x, y).is_some()), Some(usize::from(is_free)))
+        (
+            usize::from(!SpecularPath::Reflection.connect(&ball, 1.0, x, y).is_empty()),
+            Some(usize::from(is_free)),
+        )
     });
     let counts = compare(found);
     assert!(counts[0] > 1000 && counts[1] > 1000, "{counts:?}");
@@ -95,7 +98,7 @@ fn a_reflection_exists_where_the_straight_line_is_free() {
 
 #[test]
 fn paths_through_are_as_many_as_a_scan_finds() {
-    for (inner, k) in [(0, 1.0), (1, 2.0)] {
+    for (kind, k) in [(SpecularPath::Through, 1.0), (SpecularPath::ThroughReflected, 2.0)] {
         let found = configurations().map(|(configuration, y)| {
             let Configuration { ball, ior, outside: [x, _], .. } = configuration;
             let [c1, c2] =
@@ -104,7 +107,7 @@ fn paths_through_are_as_many_as_a_scan_finds() {
                 let h = s * ior.min(1.0);
                 2.0 * asin(h) - asin(h * c1) - asin(h * c2) + k * (PI - 2.0 * asin(h / ior))
             });
-            (through(&ball, ior, inner, x, y).len(), scanned)
+            (kind.connect(&ball, ior, x, y).len(), scanned)
         });
         let counts = compare(found);
 
@@ -128,12 +131,13 @@ fn paths_across_a_boundary_are_as_many_as_a_scan_finds() {
                 tau - asin(h / ior) + asin(h) - asin(h * c2)
             })
         });
-        let found = outward(&ball, ior, x, y).len();
+        let found = SpecularPath::Outward.connect(&ball, ior, x, y).len();
         if ior * d1 <= 1.0 {
             assert_eq!(found, 1);
         }
         if let Target::Point(y) = y {
-            assert_eq!(inward(&ball, ior, y, x).len(), found);
+            let inward = SpecularPath::Inward.connect(&ball, ior, y, Target::Point(x));
+            assert_eq!(inward.len(), found);
         }
         (found, near.zip(far).map(|(near, far)| near + far))
     });

@@ -4,7 +4,7 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 use crate::sampling::{Sampler, exp, hemisphere, ln};
 
-use super::super::{Connection, Target, inward, outward, reflection, through};
+use super::super::{Connection, SpecularPath, Target};
 use super::traced_ray::{Event, TracedRay};
 
 /// Random configurations of each kind.
@@ -58,6 +58,24 @@ fn unit_vector(u: [f64; 2]) -> DVec3 {
     upper.normalize()
 }
 
+const ALL: [SpecularPath; 5] = [
+    SpecularPath::Reflection,
+    SpecularPath::Through,
+    SpecularPath::ThroughReflected,
+    SpecularPath::Outward,
+    SpecularPath::Inward,
+];
+
+/// What happens along a path.
+fn events_of(kind: SpecularPath) -> &'static [Event] {
+    match kind {
+        SpecularPath::Reflection => &[Event::Reflect],
+        SpecularPath::Through => &[Event::Refract, Event::Refract],
+        SpecularPath::ThroughReflected => &[Event::Refract, Event::Reflect, Event::Refract],
+        SpecularPath::Outward | SpecularPath::Inward => &[Event::Refract],
+    }
+}
+
 /// Largest errors of many connections.
 #[derive(Debug, Default)]
 struct Worst {
@@ -71,16 +89,17 @@ impl Worst {
     fn check(
         &mut self,
         connection: &Connection,
+        kind: SpecularPath,
         (ball, ior): (&Sphere, f64),
         (x, y): (DVec3, Target),
-        events: &[Event],
     ) {
         self.count += 1;
         let cosines = [connection.cos_outside, connection.cos_inside];
         if cosines.iter().any(|&cos| cos > 0.0 && cos < GRAZING) {
             return;
         }
-        let ray = TracedRay::along(connection, ball, ior, x, events).expect("the path exists");
+        let ray =
+            TracedRay::along(connection, ball, ior, x, events_of(kind)).expect("the path exists");
         self.miss = self.miss.max(ray.miss(ball, y));
         let traced = ray.spread(y);
         // At a caustic the traced derivatives cancel, too: there, compared with a straight path.
@@ -115,54 +134,59 @@ impl Worst {
     }
 }
 
-#[test]
-fn reflections_arrive_and_spread_as_traced_rays_do() {
+/// The largest errors of all connections of a kind, over points inside or outside.
+fn worst(kind: SpecularPath) -> Worst {
     let mut worst = Worst::default();
     for index in 0..CONFIGURATIONS {
         let configuration = Configuration::new(index);
-        let Configuration { ball, outside: [x, _], .. } = configuration;
-        for y in configuration.targets() {
-            let Some(found) = reflection(&ball, x, y) else { continue };
-            worst.check(&found, (&ball, 1.0), (x, y), &[Event::Reflect]);
+        let Configuration { ball, ior, inside, outside: [outside, y], .. } = configuration;
+        let [a, b] = configuration.targets();
+        let (x, targets) = match kind {
+            SpecularPath::Outward => (inside, [a, b]),
+            SpecularPath::Inward => (y, [Target::Point(inside); 2]),
+            _ => (outside, [a, b]),
+        };
+        for y in targets {
+            for found in kind.connect(&ball, ior, x, y).iter() {
+                worst.check(found, kind, (&ball, ior), (x, y));
+            }
         }
     }
-    worst.assert(23_000);
+    worst
 }
 
 #[test]
-fn paths_through_arrive_and_spread_as_traced_rays_do() {
-    for inner in [0, 1] {
-        let mut worst = Worst::default();
-        for index in 0..CONFIGURATIONS {
+fn connections_arrive_and_spread_as_traced_rays_do() {
+    worst(SpecularPath::Reflection).assert(23_000);
+    worst(SpecularPath::Through).assert(21_000);
+    worst(SpecularPath::ThroughReflected).assert(33_000);
+    worst(SpecularPath::Outward).assert(37_000);
+    worst(SpecularPath::Inward).assert(37_000);
+}
+
+#[test]
+fn directions_have_the_spread_of_their_connection() {
+    for kind in ALL {
+        let mut off = 0.0f64;
+        for index in 0..2000 {
             let configuration = Configuration::new(index);
-            let Configuration { ball, ior, outside: [x, _], .. } = configuration;
-            for y in configuration.targets() {
-                for found in through(&ball, ior, inner, x, y).iter() {
-                    let events = [Event::Refract, Event::Reflect, Event::Refract];
-                    let events = if inner == 0 { &[Event::Refract; 2][..] } else { &events };
-                    worst.check(found, (&ball, ior), (x, y), events);
+            let Configuration { ball, ior, inside, outside: [outside, y], .. } = configuration;
+            let (x, y) = match kind {
+                SpecularPath::Outward => (inside, Target::Point(y)),
+                SpecularPath::Inward => (y, Target::Point(inside)),
+                _ => (outside, Target::Point(y)),
+            };
+            for found in kind.connect(&ball, ior, x, y).iter() {
+                let ends = ((x, found.direction_at_x), (y, found.direction_at_y));
+                let spread = kind.spread((&ball, ior), ends.0, ends.1).expect("the path exists");
+                let length = found.leg_at_x + found.chord + found.leg_at_y;
+                let is_grazing = found.cos_outside < GRAZING;
+                let scale = spread + 1e-4 * length * length;
+                if !is_grazing {
+                    off = off.max((spread - found.spread).abs() / scale);
                 }
             }
         }
-        worst.assert([21_000, 33_000][inner as usize]);
+        assert!(off < 1e-5, "{kind:?}: {off}");
     }
-}
-
-#[test]
-fn paths_across_a_boundary_arrive_and_spread_as_traced_rays_do() {
-    let mut worst = Worst::default();
-    for index in 0..CONFIGURATIONS {
-        let configuration = Configuration::new(index);
-        let Configuration { ball, ior, inside, outside: [x, _], .. } = configuration;
-        for y in configuration.targets() {
-            for found in outward(&ball, ior, inside, y).iter() {
-                worst.check(found, (&ball, ior), (inside, y), &[Event::Refract]);
-            }
-        }
-        let y = Target::Point(inside);
-        for found in inward(&ball, ior, x, inside).iter() {
-            worst.check(found, (&ball, ior), (x, y), &[Event::Refract]);
-        }
-    }
-    worst.assert(57_000);
 }
