@@ -16,25 +16,25 @@
 //! through x, at y it is `beta` from that through y: `sin alpha = h / d1`, `sin beta = h / d2`.
 //!
 //! # The equation
-//! Going along the path, the angle at the centre grows by `i - alpha` on the leg at x, by `pi - 2 t`
-//! on each chord, and by `i - beta` on the leg at y.
+//! Going along the path, the angle at the centre grows by `i - alpha` on the leg at x, by
+//! `pi - 2 t` on each chord, and by `i - beta` on the leg at y.
 //!
-//! 1. *Reflection off the outside* ([`SpecularPath::Reflection`]): `2 i - alpha - beta = theta`. The left side
-//!    grows with `i`, because `cos i < d1 cos alpha`: their difference is the leg `a`. It ends
-//!    where the ray grazes the ball, so there is one root if the segment misses the ball, and none
-//!    if not.
+//! 1. *Reflection off the outside* ([`SpecularPath::Reflection`]): `2 i - alpha - beta = theta`.
+//!    The left side grows with `i`, because `cos i < d1 cos alpha`: their difference is the leg
+//!    `a`. It ends where the ray grazes the ball, so there is one root if the segment misses the
+//!    ball, and none if not.
 //! 2. *Through the ball* ([`SpecularPath::Through`]) with `k` reflections on its inner side:
 //!    `Phi(h) = 2 i - alpha - beta + (k + 1) (pi - 2 t) = +-theta + 2 pi m`. Multiplied by `cos i`,
 //!    its derivative is `2 - A - B - C` with `A = sqrt((1 - h^2) / (d1^2 - h^2))`, `B` the same
 //!    with `d2`, and `C = 2 (k + 1) sqrt((1 - h^2) / (n^2 - h^2))`. For `n > 1` all three fall with
 //!    `h`: `Phi` has at most one stationary point, the fold, and each value at most two roots. For
 //!    `n < 1`, where `h < n`, `C` exceeds 2, and `Phi` falls.
-//! 3. *Across one boundary* ([`SpecularPath::Outward`], [`SpecularPath::Inward`]), with x inside, at the angle `tau` from the
-//!    outward axis: `sin t = d1 sin tau`, and `G(tau) = tau - t + i - beta = theta`, up to the sign
-//!    of `theta` and full turns. If `n d1 < 1`, no ray is reflected totally, `G` grows from 0 to
-//!    pi, and there is one root. If not, `G` grows where `tau < pi / 2` up to total reflection;
-//!    beyond it, on the far side, `d G / d h` is again a constant minus three functions that fall,
-//!    over `cos i`.
+//! 3. *Across one boundary* ([`SpecularPath::Outward`], [`SpecularPath::Inward`]), with x inside,
+//!    at the angle `tau` from the outward axis: `sin t = d1 sin tau`, and
+//!    `G(tau) = tau - t + i - beta = theta`, up to the sign of `theta` and full turns. If
+//!    `n d1 < 1`, no ray is reflected totally, `G` grows from 0 to pi, and there is one root. If
+//!    not, `G` grows where `tau < pi / 2` up to total reflection; beyond it, on the far side,
+//!    `d G / d h` is again a constant minus three functions that fall, over `cos i`.
 //!
 //! There are 0 to 3 roots for `k = 0` and across a boundary, 0 to 4 for `k = 1` (4 only if both
 //! points nearly touch the ball).
@@ -63,6 +63,7 @@
 mod boundary;
 mod connection;
 mod deflection;
+mod emitter_view;
 mod path_kind;
 mod phase;
 mod plane;
@@ -73,5 +74,6 @@ mod through;
 mod tests;
 
 pub use connection::{Connection, Connections, MAX_CONNECTIONS};
+pub use emitter_view::{EmitterPoint, EmitterView};
 pub use path_kind::SpecularPath;
 pub use plane::Target;

@@ -27,8 +27,8 @@ impl SpecularPath {
     pub const OVER_DIELECTRIC: [Self; 3] =
         [Self::Reflection, Self::Through, Self::ThroughReflected];
 
-    /// Returns all paths of this kind from x to y over a ball. `ior` is its index of refraction over
-    /// that of its surroundings, which reflection does not use.
+    /// Returns all paths of this kind from x to y over a ball. `ior` is its index of refraction
+    /// over that of its surroundings, which reflection does not use.
     #[inline]
     pub fn connect(self, ball: &Sphere, ior: f64, x: DVec3, y: Target) -> Connections {
         match self {
@@ -76,8 +76,8 @@ impl SpecularPath {
     }
 
     /// Returns the product of the Fresnel factors, for a dielectric whose boundary has this
-    /// `reflectance` at the connection's angle: the share of light that takes the path, and also the
-    /// probability with which chance does.
+    /// `reflectance` at the connection's angle: the share of light that takes the path, and also
+    /// the probability with which chance does.
     #[inline]
     pub fn passage(self, reflectance: f64) -> f64 {
         let transmittance = 1.0 - reflectance;

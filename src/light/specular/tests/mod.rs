@@ -1,5 +1,8 @@
 //! Tests of the connections, against rays that are traced without them.
 
+mod fresnel;
+mod gain;
+mod physics;
 mod roots;
 mod traced_ray;
 mod tracing;

@@ -67,7 +67,7 @@ const ALL: [SpecularPath; 5] = [
 ];
 
 /// What happens along a path.
-fn events_of(kind: SpecularPath) -> &'static [Event] {
+pub(super) fn events_of(kind: SpecularPath) -> &'static [Event] {
     match kind {
         SpecularPath::Reflection => &[Event::Reflect],
         SpecularPath::Through => &[Event::Refract, Event::Refract],
