@@ -14,6 +14,7 @@ mod light_bounds;
 mod light_sampler;
 mod light_tree;
 pub mod specular;
+mod sphere_tree;
 mod visible_emitter;
 
 pub use context::LightSampleContext;
