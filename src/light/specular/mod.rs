@@ -61,6 +61,7 @@
 //! index `n_y` to one of `n_x`, by `(n_x / n_y)^2`.
 
 mod boundary;
+mod casters;
 mod connection;
 mod deflection;
 mod emitter_view;
@@ -73,6 +74,7 @@ mod through;
 #[cfg(test)]
 mod tests;
 
+pub use casters::{Caster, CasterSurface, Casters};
 pub use connection::{Connection, Connections, MAX_CONNECTIONS};
 pub use emitter_view::{EmitterPoint, EmitterView};
 pub use path_kind::SpecularPath;
