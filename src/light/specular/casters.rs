@@ -38,9 +38,9 @@ pub struct Casters {
 }
 
 impl Casters {
-    /// Keeps the candidates, sorted by id, that no other of the `dielectrics`, given by id, touches:
-    /// connections know no other media than vacuum and the ball's. A dielectric inside of a ball,
-    /// such as a bubble, does not touch it, but may hide what is behind it.
+    /// Keeps the candidates, sorted by id, that no other of the `dielectrics`, given by id,
+    /// touches: connections know no other media than vacuum and the ball's. A dielectric inside of
+    /// a ball, such as a bubble, does not touch it, but may hide what is behind it.
     ///
     /// The time is about proportional to the number of candidates, except where very many bubbles
     /// lie in one ball.

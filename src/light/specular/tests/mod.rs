@@ -2,6 +2,7 @@
 
 mod fresnel;
 mod gain;
+mod pairs;
 mod physics;
 mod roots;
 mod traced_ray;
