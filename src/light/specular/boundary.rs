@@ -89,9 +89,7 @@ fn connection(
         (root.cos(Angle::Outside), root.cos(Angle::Inside), root.sin(Angle::Inside));
     let (cos_tau, sin_tau) = (sign_tau * root.cos(Angle::AtX), root.sin(Angle::AtX));
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
-    // In the centre, v = tau at all distances.
-    let ratio_x = deflection.ratio(Angle::AtX);
-    let per_radian = root.slope.abs() * root.cos(Angle::AtX) / (ratio_x * root.cos_v);
+    let per_radian = deflection.slope_at_x(root);
     let ratio = match root.sin_v > ON_AXIS {
         true => plane.sin_theta / sin_tau,
         false => per_radian,

@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use crate::fault::fault;
 use crate::math::DVec3;
 
 /// The most connections of one kind between two points.
@@ -89,7 +90,8 @@ impl Connections {
 
     #[inline(always)]
     pub(super) fn push(&mut self, connection: Connection) {
-        if self.count < MAX_CONNECTIONS {
+        let max = if fault!(ConnectionRootMissing) { 1 } else { MAX_CONNECTIONS };
+        if self.count < max {
             self.list[self.count] = connection;
             self.count += 1;
         }

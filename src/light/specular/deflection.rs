@@ -98,6 +98,17 @@ impl Deflection {
         self.ratios[angle as usize]
     }
 
+    /// Returns `d psi` per radian of the angle at x, of which `sin = m sin v`.
+    #[inline(always)]
+    pub(super) fn slope_at_x(&self, at: &Evaluation) -> f64 {
+        let index = Angle::AtX as usize;
+        // There, the angle is v itself.
+        if self.rests[index] == 0.0 {
+            return at.slope.abs();
+        }
+        at.slope.abs() * at.cosines[index] / (self.ratios[index] * at.cos_v)
+    }
+
     /// Evaluates the sum at `w` in `[0, 1]`.
     #[inline(always)]
     pub(super) fn eval(&self, w: f64) -> Evaluation {

@@ -1,5 +1,6 @@
 //! The plane through the centre of a ball and the two points to connect, in radii of the ball.
 
+use crate::fault::fault;
 use crate::geometry::Sphere;
 use crate::math::{DVec3, Frame};
 
@@ -56,6 +57,7 @@ impl Plane {
     /// Returns the vector with these components along the axis through x and across it.
     #[inline(always)]
     pub(super) fn vector(&self, along: f64, across: f64) -> DVec3 {
+        let across = if fault!(ConnectionSideSwapped) { -across } else { across };
         self.x_axis * along + self.across * across
     }
 

@@ -84,8 +84,7 @@ fn connection(
     let (cos_t, sin_t) = (root.cos(Angle::Inside), root.sin(Angle::Inside));
     let (cos_alpha, sin_alpha) = (root.cos(Angle::AtX), root.sin(Angle::AtX));
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
-    // d theta / d alpha = psi'(v) / (d alpha / d v), with d1 cos alpha d alpha = d h.
-    let per_radian = root.slope.abs() * cos_alpha / (deflection.ratio(Angle::AtX) * root.cos_v);
+    let per_radian = deflection.slope_at_x(root);
     let ratio = match root.sin_v > ON_AXIS {
         true => plane.sin_theta / sin_alpha,
         false => per_radian,
