@@ -12,10 +12,10 @@ use super::phase::Phase;
 /// Number of angles in the sum.
 const TERMS: usize = 4;
 /// Steps of Newton's method that a root may take before each second one is a bisection, and in
-/// all. Tests find at most 9.
-const MAX_NEWTON: usize = 12;
+/// all. Of 1.5 million roots over all scales, the mean is 3.4 and the maximum 12.
+const MAX_NEWTON: usize = 16;
 const MAX_STEPS: usize = 80;
-/// Steps to the stationary point. Tests find at most 14.
+/// Steps to the stationary point, of which random configurations need at most 13.
 const MAX_STATIONARY_STEPS: usize = 24;
 
 /// `sin v` up to which a ray is on the axis: there, `theta` and the angle at x are proportional up
