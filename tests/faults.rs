@@ -54,6 +54,8 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::LightPmfUniform, "choice among three emitters"),
     (Fault::LightTreePmfHalf, "many-lamps: path"),
     (Fault::InsideEmitterPdfWithoutCosine, "light from inside an emitter"),
+    (Fault::ConnectionSideSwapped, "connection through glass"),
+    (Fault::ConnectionRootMissing, "connection through glass, reflected"),
     (Fault::PixelCornerForCenter, "mirror-before-the-eye: path"),
     (Fault::FirstBlockDropped, "furnace: path"),
     (Fault::DividedByWrongCount, "sphere-light: paper"),

@@ -96,6 +96,8 @@ registry! {
     LightPmfUniform: "the pdf of an emitter takes light selection to be uniform",
     LightTreePmfHalf: "the pmf of the light tree takes both children to be equally likely",
     InsideEmitterPdfWithoutCosine: "inside an emitter, the pdf lacks the cosine",
+    ConnectionSideSwapped: "a specular connection bends around the wrong side of the ball",
+    ConnectionRootMissing: "only the first root of a specular connection is found",
     // Camera and film
     PixelCornerForCenter: "pixel coordinates start at the centre instead of the corner",
     FirstBlockDropped: "the first block of samples is counted but not added",

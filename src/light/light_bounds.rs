@@ -67,6 +67,25 @@ impl LightBounds {
     }
 }
 
+impl LightBounds {
+    /// Irradiance at a point of a surface that faces the cluster, in units of the power over pi.
+    pub(super) fn importance_facing(&self, point: DVec3) -> f64 {
+        let [distance_squared, radius] = self.distance_squared(point);
+        f64::from(self.power) / distance_squared.max(radius * radius)
+    }
+
+    /// Returns true if the cluster subtends a small angle from a point.
+    pub(super) fn is_small_from(&self, point: DVec3) -> bool {
+        let [distance_squared, radius] = self.distance_squared(point);
+        radius * radius < 0.1 * distance_squared
+    }
+
+    fn distance_squared(&self, point: DVec3) -> [f64; 2] {
+        let center = DVec3::from_array(self.center.map(f64::from));
+        [center.distance_squared(point), f64::from(self.radius)]
+    }
+}
+
 /// Mean clamped cosine over a sphere that subtends a cone with axis cosine `cos` and half-angle
 /// sine `sin_rim`: `cos` if the cone is above the horizon, falling smoothly to 0 where it is below.
 pub(super) fn clipped_cosine(cos: f64, sin_rim: f64) -> f64 {

@@ -63,12 +63,39 @@ impl LightTree {
         self.nodes[0].bounds.importance(ctx)
     }
 
+    /// Sums `f` over clusters that cover all emitters, opening those that are not `small`.
+    pub(super) fn sum_over(
+        &self,
+        small: impl Fn(&LightBounds) -> bool,
+        f: impl Fn(&LightBounds) -> f64,
+    ) -> f64 {
+        let (mut pending, mut sum) = (vec![self.nodes[0]], 0.0);
+        while let Some(node) = pending.pop() {
+            if node.child_or_emitter & LEAF != 0 || small(&node.bounds) {
+                sum += f(&node.bounds);
+            } else {
+                let first = node.child_or_emitter as usize;
+                pending.extend_from_slice(&self.nodes[first..first + 2]);
+            }
+        }
+        sum
+    }
+
     /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability.
-    pub(super) fn sample(&self, ctx: &LightSampleContext, mut u: f64) -> Option<(u32, f64)> {
+    pub(super) fn sample(&self, ctx: &LightSampleContext, u: f64) -> Option<(u32, f64)> {
+        self.sample_by(|bounds| bounds.importance(ctx), u)
+    }
+
+    /// Selects an emitter by the importance of clusters.
+    pub(super) fn sample_by(
+        &self,
+        importance: impl Fn(&LightBounds) -> f64,
+        mut u: f64,
+    ) -> Option<(u32, f64)> {
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
         while next & LEAF == 0 {
-            let first = self.first_child_probability(ctx, next)?;
+            let first = self.first_child_probability(&importance, next)?;
             if u < first {
                 u /= first;
                 pmf *= first;
@@ -84,11 +111,18 @@ impl LightTree {
 
     /// Returns the probability with which [`Self::sample`] selects an emitter.
     pub(super) fn pmf(&self, ctx: &LightSampleContext, emitter: u32) -> f64 {
+        self.pmf_by(|bounds| bounds.importance(ctx), emitter)
+    }
+
+    /// Returns the probability with which [`Self::sample_by`] selects an emitter.
+    pub(super) fn pmf_by(&self, importance: impl Fn(&LightBounds) -> f64, emitter: u32) -> f64 {
         let leaf = self.leaves[emitter as usize];
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
         while next & LEAF == 0 {
-            let Some(first) = self.first_child_probability(ctx, next) else { return 0.0 };
+            let Some(first) = self.first_child_probability(&importance, next) else {
+                return 0.0;
+            };
             let first = if fault!(LightTreePmfHalf) { 0.5 } else { first };
             let second = self.nodes[next as usize + 1];
             let is_in_second =
@@ -106,9 +140,12 @@ impl LightTree {
 
     /// Returns the probability of the first of two children; `None` if neither can illuminate the
     /// shading point.
-    fn first_child_probability(&self, ctx: &LightSampleContext, children: u32) -> Option<f64> {
-        let [first, second] = [0, 1].map(|i| self.nodes[children as usize + i].bounds);
-        let (first, second) = (first.importance(ctx), second.importance(ctx));
+    fn first_child_probability(
+        &self,
+        importance: &impl Fn(&LightBounds) -> f64,
+        children: u32,
+    ) -> Option<f64> {
+        let [first, second] = [0, 1].map(|i| importance(&self.nodes[children as usize + i].bounds));
         let total = first + second;
         (total > 0.0).then(|| first / total)
     }

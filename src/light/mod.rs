@@ -13,6 +13,8 @@ mod environment;
 mod light_bounds;
 mod light_sampler;
 mod light_tree;
+pub mod specular;
+mod sphere_tree;
 mod visible_emitter;
 
 pub use category::CategoryPmf;
@@ -32,6 +34,7 @@ use crate::math::{DVec3, NO_SPHERE};
 use category::LightCategory;
 use environment::MapSample;
 use light_sampler::LightSampler;
+use specular::{Caster, PairSampler};
 use visible_emitter::VisibleEmitter;
 
 /// All lights of a scene.
@@ -143,6 +146,12 @@ impl Lights {
     /// The environment that rays see on a miss.
     pub fn environment(&self) -> &Environment {
         &self.environment
+    }
+
+    /// Creates the sampler of pairs of these balls with the emitters and the sun.
+    pub fn pairs_with(&self, casters: &[Caster], spheres: &SphereSet) -> PairSampler {
+        let sun = self.environment.sun().map(|sun| sun.beam());
+        PairSampler::new(casters, &self.emitters, sun, spheres)
     }
 
     /// Samples a direction towards a light, from `u_select` and `u` in `[0, 1)`; `None` if the

@@ -6,7 +6,6 @@
 //! the emitter count: a smaller one never hides half of it.
 
 mod emitter_cuts;
-mod emitter_tree;
 mod search;
 
 pub use emitter_cuts::{EmitterCut, EmitterCuts};

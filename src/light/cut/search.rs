@@ -1,13 +1,14 @@
 //! The search for the opaque spheres that cut emitters.
 
 use std::cmp::Ordering;
+use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::geometry::{Side, SphereCut, SphereSet};
+use crate::geometry::{Side, Sphere, SphereCut, SphereSet};
 
 use super::super::emitter::Emitter;
-use super::emitter_tree::EmitterTree;
+use super::super::sphere_tree::{PendingRange, SphereBounds, SphereTree};
 
 /// Emitters of which a wall leaves more than this share of the surface are treated as whole.
 const MAX_EXPOSED: f64 = 0.75;
@@ -51,7 +52,7 @@ pub(super) fn largest_cuts(
     if emitters.is_empty() {
         return Vec::new();
     }
-    let tree = EmitterTree::new(emitters.iter().map(|emitter| spheres.sphere(emitter.id)));
+    let tree = SphereTree::new(emitters.iter().map(|emitter| spheres.sphere(emitter.id)));
     let count = spheres.len() as u32;
     let chunk = |index: u32| {
         let first = index * CHUNK;
@@ -60,7 +61,7 @@ pub(super) fn largest_cuts(
         let (mut found, mut pending) = (Vec::new(), Vec::new());
         for id in ids {
             let opaque = spheres.sphere(id);
-            tree.for_each_cut(&opaque, &mut budget, &mut pending, |emitter, sphere| {
+            for_each_cut(&tree, &opaque, &mut budget, &mut pending, |emitter, sphere| {
                 if emitters[emitter as usize].id != id {
                     let cut = SphereCut::new(sphere, &opaque).filter(|_| is_opaque(id));
                     found.extend(cut.into_iter().flat_map(|cut| by_side(emitter, id, &cut)));
@@ -77,6 +78,43 @@ pub(super) fn largest_cuts(
         keep_first(a)
     };
     (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(Vec::new, merge)
+}
+
+/// Calls `test` with every emitter whose surface `opaque` may cut and that is not larger, until the
+/// budget of tests is used up.
+#[inline]
+fn for_each_cut(
+    tree: &SphereTree,
+    opaque: &Sphere,
+    budget: &mut usize,
+    pending: &mut Vec<PendingRange>,
+    mut test: impl FnMut(u32, &Sphere),
+) {
+    tree.visit(
+        pending,
+        |bounds| may_be_cut(bounds, opaque),
+        |emitter, sphere| {
+            if *budget == 0 {
+                return ControlFlow::Break(());
+            }
+            *budget -= 1;
+            if sphere.radius <= opaque.radius {
+                test(emitter, sphere);
+            }
+            ControlFlow::Continue(())
+        },
+    );
+}
+
+/// Returns false if `opaque` cuts no emitter within the bounds: `|d - R| < r` for none of them, or
+/// all are larger.
+#[inline]
+fn may_be_cut(bounds: &SphereBounds, opaque: &Sphere) -> bool {
+    let [smallest, largest] = bounds.radii;
+    let [nearest, farthest] = bounds.distances_squared(opaque.center);
+    let reach = opaque.radius + largest;
+    let hollow = (opaque.radius - largest).max(0.0);
+    nearest <= reach * reach && farthest >= hollow * hollow && smallest <= opaque.radius
 }
 
 /// The cut as seen from each side from which it hides enough.

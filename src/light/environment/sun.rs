@@ -65,6 +65,12 @@ impl SunLight {
         self.irradiance * clipped_cosine(cos, self.sin_max)
     }
 
+    /// Returns the unit direction to the centre of the disc, and the irradiance on a surface that
+    /// faces it, in luminance.
+    pub(in crate::light) fn beam(&self) -> (DVec3, f64) {
+        (self.frame.z, self.irradiance)
+    }
+
     /// Returns true if a direction is within the disc. Compares squared chords, which resolve small
     /// angles where cosines do not.
     fn contains(&self, direction: DVec3) -> bool {

@@ -12,6 +12,7 @@ mod lights;
 mod materials;
 mod sampling;
 mod sampling_test;
+mod specular;
 
 pub use sampling_test::SamplingTest;
 
@@ -65,6 +66,7 @@ pub fn sampling_tests() -> Vec<SamplingTest> {
         geometry::tests,
         materials::tests,
         lights::tests,
+        specular::tests,
         background::tests,
         camera::tests,
     ];

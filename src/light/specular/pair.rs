@@ -1,0 +1,43 @@
+//! Pairs of a ball and a light.
+
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+
+/// A light that connections go to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConnectedLight {
+    /// An emitter, by its index.
+    Emitter(u32),
+    /// The sun.
+    Sun,
+}
+
+/// A chosen pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CasterPair {
+    /// Index of the ball.
+    pub caster: u32,
+    /// The light.
+    pub light: ConnectedLight,
+    /// Probability of the choice: 1 if all pairs are tried.
+    pub pmf: f64,
+}
+
+/// An emitter and its power over its solid angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConnectedEmitter {
+    pub(super) id: u32,
+    pub(super) sphere: Sphere,
+    /// `pi R^2` times its luminance.
+    pub(super) power: f64,
+}
+
+impl ConnectedEmitter {
+    /// Irradiance at a point of a surface that faces the emitter, and the unit direction to it.
+    pub(super) fn irradiance(&self, point: DVec3) -> (f64, DVec3) {
+        let to_light = self.sphere.center - point;
+        let distance_squared =
+            to_light.length_squared().max(self.sphere.radius * self.sphere.radius);
+        (self.power / distance_squared, to_light.normalize_or(DVec3::Z))
+    }
+}

@@ -1,0 +1,229 @@
+//! Chooses pairs of a ball and a light to connect.
+//!
+//! A few pairs are all tried. Up to [`MAX_FEW`], one is chosen by the light that the ball is
+//! expected to send to the shading point. Of more, a ball is chosen by a tree over the balls, as if
+//! each emitted what it reflects, and then a light by a tree over the emitters, as seen from the
+//! ball.
+
+use std::f64::consts::PI;
+
+use crate::color::luminance;
+use crate::geometry::SphereSet;
+use crate::math::DVec3;
+
+use super::super::context::LightSampleContext;
+use super::super::emitter::Emitter;
+use super::super::light_bounds::{LightBounds, LightItem};
+use super::casters::{Caster, CasterSurface};
+use super::focusing::focusing;
+use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight};
+use super::pair_trees::PairTrees;
+
+/// Up to this many pairs are all tried.
+pub const MAX_PAIRS: usize = 8;
+/// Up to this many pairs are evaluated one by one.
+const MAX_FEW: usize = 64;
+/// Fraction of choices split evenly among the pairs above the horizon.
+const UNIFORM_FRACTION: f64 = 0.1;
+
+/// The pairs to connect at one shading point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CasterPairs {
+    list: [Option<CasterPair>; MAX_PAIRS],
+}
+
+/// Selection probabilities of all pairs.
+#[derive(Debug)]
+pub struct PairSampler {
+    casters: Vec<Caster>,
+    emitters: Vec<ConnectedEmitter>,
+    /// Direction and irradiance of the sun.
+    sun: Option<(DVec3, f64)>,
+    trees: Option<PairTrees>,
+}
+
+impl CasterPairs {
+    /// The chosen pairs.
+    pub fn iter(&self) -> impl Iterator<Item = CasterPair> + '_ {
+        self.list.iter().flatten().copied()
+    }
+}
+
+impl PairSampler {
+    /// Creates the sampler of all pairs of these balls with the emitters and the sun, given by its
+    /// direction and irradiance.
+    pub fn new(
+        casters: &[Caster],
+        emitters: &[Emitter],
+        sun: Option<(DVec3, f64)>,
+        spheres: &SphereSet,
+    ) -> Self {
+        let connected = |emitter: &Emitter| {
+            let sphere = spheres.sphere(emitter.id);
+            let power = PI * sphere.radius * sphere.radius * f64::from(luminance(emitter.emission));
+            ConnectedEmitter { id: emitter.id, sphere, power }
+        };
+        let emitters: Vec<_> = emitters.iter().map(connected).collect();
+        let casters = casters.to_vec();
+        let mut sampler = Self { casters, emitters, sun, trees: None };
+        if sampler.pair_count() > MAX_FEW {
+            let sun = sun.map_or(0.0, |(_, irradiance)| irradiance);
+            sampler.trees = Some(PairTrees::new(&sampler.casters, &sampler.emitters, sun));
+        }
+        sampler
+    }
+
+    /// The balls.
+    pub fn casters(&self) -> &[Caster] {
+        &self.casters
+    }
+
+    fn light_count(&self) -> usize {
+        self.emitters.len() + usize::from(self.sun.is_some())
+    }
+
+    fn pair_count(&self) -> usize {
+        self.casters.len().saturating_mul(self.light_count())
+    }
+
+    fn light(&self, index: usize) -> ConnectedLight {
+        match index < self.emitters.len() {
+            true => ConnectedLight::Emitter(index as u32),
+            false => ConnectedLight::Sun,
+        }
+    }
+
+    /// All pairs in order, or those of one ball.
+    fn pairs(&self, inside: Option<u32>) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
+        let casters = match inside {
+            Some(caster) => caster..caster + 1,
+            None => 0..self.casters.len() as u32,
+        };
+        let lights = 0..self.light_count();
+        casters.flat_map(move |caster| lights.clone().map(move |i| (caster, self.light(i))))
+    }
+
+    /// Chooses pairs by `u` in `[0, 1)`. `inside` is the ball that the shading point is inside of,
+    /// whose pairs are then the only ones.
+    pub fn sample(&self, ctx: &LightSampleContext, inside: Option<u32>, u: f64) -> CasterPairs {
+        let mut chosen = CasterPairs::default();
+        if self.pair_count() <= MAX_PAIRS {
+            for (slot, (caster, light)) in chosen.list.iter_mut().zip(self.pairs(inside)) {
+                *slot = Some(CasterPair { caster, light, pmf: 1.0 });
+            }
+        } else if let Some(trees) = &self.trees {
+            chosen.list[0] = trees.sample(ctx, inside, u);
+        } else {
+            chosen.list[0] = self.sample_few(ctx, inside, u);
+        }
+        chosen
+    }
+
+    /// Returns the probability with which [`Self::sample`] chooses a pair.
+    pub fn pmf(
+        &self,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+        (caster, light): (u32, ConnectedLight),
+    ) -> f64 {
+        if inside.is_some_and(|inside| inside != caster) {
+            return 0.0;
+        }
+        if self.pair_count() <= MAX_PAIRS {
+            return 1.0;
+        }
+        let Some(trees) = &self.trees else {
+            let (importance, count, total) = self.few(ctx, inside);
+            let index = self.index_of(caster, light);
+            return probability(importance[index], count, total);
+        };
+        trees.pmf(ctx, inside, (caster, light))
+    }
+
+    fn index_of(&self, caster: u32, light: ConnectedLight) -> usize {
+        let in_lights = match light {
+            ConnectedLight::Emitter(index) => index as usize,
+            ConnectedLight::Sun => self.emitters.len(),
+        };
+        caster as usize * self.light_count() + in_lights
+    }
+
+    /// The importance of each pair, the number of those above 0, and their sum.
+    fn few(&self, ctx: &LightSampleContext, inside: Option<u32>) -> ([f64; MAX_FEW], f64, f64) {
+        let mut all = [0.0; MAX_FEW];
+        let (mut count, mut total) = (0.0, 0.0);
+        for (caster, light) in self.pairs(inside) {
+            let importance = self.importance(ctx, inside, caster, light);
+            all[self.index_of(caster, light)] = importance;
+            total += importance;
+            count += f64::from(u8::from(importance > 0.0));
+        }
+        (all, count, total)
+    }
+
+    fn sample_few(
+        &self,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+        mut u: f64,
+    ) -> Option<CasterPair> {
+        let (importance, count, total) = self.few(ctx, inside);
+        let mut last = None;
+        for (caster, light) in self.pairs(inside) {
+            let pmf = probability(importance[self.index_of(caster, light)], count, total);
+            if pmf > 0.0 {
+                last = Some(CasterPair { caster, light, pmf });
+                if u < pmf {
+                    break;
+                }
+                u -= pmf;
+            }
+        }
+        last
+    }
+
+    /// The irradiance at a shading point by way of a ball, roughly: a mirror ball of radius r lit
+    /// by E spreads `rho E pi r^2` evenly over all directions.
+    fn importance(
+        &self,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+        caster: u32,
+        light: ConnectedLight,
+    ) -> f64 {
+        let Caster { id, ball, surface } = self.casters[caster as usize];
+        let (irradiance, towards) = self.irradiance(ball.center, light);
+        if inside.is_some() {
+            return irradiance;
+        }
+        let is_self = |index: u32| self.emitters[index as usize].id == id;
+        if matches!(light, ConnectedLight::Emitter(index) if is_self(index)) {
+            return 0.0;
+        }
+        let item = LightItem { sphere: ball, power: 1.0, emitter_index: 0 };
+        let falloff = LightBounds::enclosing(ball.center, &[item]).importance(ctx);
+        let quarter_square = 0.25 * ball.radius * ball.radius;
+        let share = match surface {
+            CasterSurface::Opaque(reflectance) => reflectance,
+            CasterSurface::Dielectric(ior) => {
+                focusing((ctx.hit.point - ball.center) / ball.radius, towards, ior)
+            }
+        };
+        irradiance * falloff * quarter_square * share
+    }
+
+    /// Irradiance from a light at a point, and the unit direction to the light.
+    fn irradiance(&self, point: DVec3, light: ConnectedLight) -> (f64, DVec3) {
+        match light {
+            ConnectedLight::Emitter(index) => self.emitters[index as usize].irradiance(point),
+            ConnectedLight::Sun => self.sun.map_or((0.0, DVec3::Z), |(to, e)| (e, to)),
+        }
+    }
+}
+
+fn probability(importance: f64, count: f64, total: f64) -> f64 {
+    if importance <= 0.0 {
+        return 0.0;
+    }
+    UNIFORM_FRACTION / count + (1.0 - UNIFORM_FRACTION) * importance / total
+}

@@ -1,0 +1,101 @@
+//! The kinds of connections.
+
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+
+use super::connection::Connections;
+use super::plane::{Plane, Target};
+use super::{boundary, reflection, through};
+
+/// A kind of path from x over one ball to y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpecularPath {
+    /// Reflected off the outside.
+    Reflection,
+    /// Through the ball without a reflection inside.
+    Through,
+    /// Through the ball with one reflection inside.
+    ThroughReflected,
+    /// From inside the ball to the outside.
+    Outward,
+    /// From outside the ball to the inside.
+    Inward,
+}
+
+impl SpecularPath {
+    /// The kinds between two points outside of a dielectric ball.
+    pub const OVER_DIELECTRIC: [Self; 3] =
+        [Self::Reflection, Self::Through, Self::ThroughReflected];
+
+    /// Returns all paths of this kind from x to y over a ball. `ior` is its index of refraction
+    /// over that of its surroundings, which reflection does not use.
+    #[inline]
+    pub fn connect(self, ball: &Sphere, ior: f64, x: DVec3, y: Target) -> Connections {
+        match self {
+            Self::Reflection => {
+                let mut all = Connections::NONE;
+                reflection::connect(ball, x, y).into_iter().for_each(|found| all.push(found));
+                all
+            }
+            Self::Through => through::connect(ball, ior, 0, x, y),
+            Self::ThroughReflected => through::connect(ball, ior, 1, x, y),
+            Self::Outward => boundary::connect_outward(ball, ior, x, y),
+            Self::Inward => match y {
+                Target::Point(y) => boundary::connect_inward(ball, ior, x, y),
+                Target::Direction(_) => Connections::NONE,
+            },
+        }
+    }
+
+    /// Returns the spread of one path of this kind that was found by other means, such as by
+    /// chance, from the unit directions in which it leaves x and y; `None` if no path of this kind
+    /// leads from x to y.
+    pub fn spread(
+        self,
+        (ball, ior): (&Sphere, f64),
+        (x, direction_at_x): (DVec3, DVec3),
+        (y, direction_at_y): (Target, DVec3),
+    ) -> Option<f64> {
+        let plane = Plane::new(*ball, x, y);
+        let sin_at_x = || plane.x_axis.cross(direction_at_x).length();
+        match self {
+            Self::Reflection => reflection::spread(&plane, sin_at_x()),
+            Self::Through => through::spread(&plane, ior, 0, sin_at_x()),
+            Self::ThroughReflected => through::spread(&plane, ior, 1, sin_at_x()),
+            Self::Outward => {
+                let cos = plane.x_axis.dot(direction_at_x);
+                boundary::outward_spread(&plane, ior, [cos, sin_at_x()])
+            }
+            Self::Inward => {
+                let Target::Point(y) = y else { return None };
+                let ends = ((y, direction_at_y), (Target::Point(x), direction_at_x));
+                let outward = Self::Outward.spread((ball, ior), ends.0, ends.1)?;
+                Some(boundary::inward_spread(outward, ior))
+            }
+        }
+    }
+
+    /// Returns the product of the Fresnel factors, for a dielectric whose boundary has this
+    /// `reflectance` at the connection's angle: the share of light that takes the path, and also
+    /// the probability with which chance does.
+    #[inline]
+    pub fn passage(self, reflectance: f64) -> f64 {
+        let transmittance = 1.0 - reflectance;
+        match self {
+            Self::Reflection => reflectance,
+            Self::Through => transmittance * transmittance,
+            Self::ThroughReflected => transmittance * transmittance * reflectance,
+            Self::Outward | Self::Inward => transmittance,
+        }
+    }
+
+    /// Returns `(n_x / n_y)^2`, by which the change of medium multiplies radiance.
+    #[inline]
+    pub fn radiance_scale(self, ior: f64) -> f64 {
+        match self {
+            Self::Outward => ior * ior,
+            Self::Inward => 1.0 / (ior * ior),
+            _ => 1.0,
+        }
+    }
+}
