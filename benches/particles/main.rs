@@ -105,10 +105,14 @@ fn measure(criterion: &mut Criterion, folder: &Path, name: &str, bytes: &[u8], s
 fn main() {
     let mut criterion = Criterion::default().configure_from_args();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let makers: [(&str, fn() -> Vec<u8>); 5] =
-        [("a.xyz", xyz), ("a.csv", csv), ("a.dump", lammps), ("a.npy", npy), ("a.ply", ply)];
-    for (name, make) in makers {
-        let bytes = make();
+    let files = [
+        ("a.xyz", xyz()),
+        ("a.csv", csv()),
+        ("a.dump", lammps()),
+        ("a.npy", npy()),
+        ("a.ply", ply()),
+    ];
+    for (name, bytes) in files {
         measure(&mut criterion, folder.path(), name, &bytes, bytes.len());
     }
     let text = xyz();
