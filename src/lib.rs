@@ -13,6 +13,7 @@
 //! `docs/conventions.md` defines every symbol and unit once.
 
 pub mod accel;
+pub mod appearance;
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
