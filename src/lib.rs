@@ -34,10 +34,12 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod names;
+pub mod overlay;
 pub mod particles;
 pub mod report;
 pub mod sampling;
 pub mod scene;
+pub mod studio;
 pub mod task;
 pub mod verify;
 
