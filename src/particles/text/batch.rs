@@ -141,16 +141,6 @@ impl Values {
         }
     }
 
-    /// Number of values.
-    pub(in crate::particles) fn len(&self) -> usize {
-        match self {
-            Self::I32(values) => values.len(),
-            Self::I64(values) => values.len(),
-            Self::F64(values) => values.len(),
-            Self::Text(words) => words.len(),
-        }
-    }
-
     /// Bytes of memory, about.
     pub(in crate::particles) fn bytes(&self) -> u64 {
         match self {

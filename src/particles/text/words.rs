@@ -44,11 +44,6 @@ impl Words {
         self.words.codes.extend(other.words.codes.iter().map(|&code| codes[code as usize]));
     }
 
-    /// Number of words.
-    pub(in crate::particles) fn len(&self) -> usize {
-        self.words.codes.len()
-    }
-
     /// Bytes of memory, about.
     pub(in crate::particles) fn bytes(&self) -> u64 {
         let names: usize = self.words.names.iter().map(|name| 100 + 2 * name.len()).sum();
