@@ -13,6 +13,7 @@
 //! `docs/conventions.md` defines every symbol and unit once.
 
 pub mod accel;
+pub mod appearance;
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -33,10 +34,12 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod names;
+pub mod overlay;
 pub mod particles;
 pub mod report;
 pub mod sampling;
 pub mod scene;
+pub mod studio;
 pub mod task;
 pub mod verify;
 

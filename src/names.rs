@@ -1,4 +1,9 @@
-//! Enums with names, each defined once and used by the scene format, options, files and messages.
+//! Enums with names, each defined once and used by the scene format, options, files and messages;
+//! and the known word nearest to a mistyped one.
+
+mod suggest;
+
+pub use suggest::did_you_mean;
 
 /// An enum with a name for every variant.
 pub trait Named: Copy + PartialEq + 'static {

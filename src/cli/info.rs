@@ -2,14 +2,16 @@
 
 use crate::error::{Error, Result};
 use crate::film::Aov;
+use crate::particles::ReadRequest;
 use crate::report::{FileRecords, SceneSummary, is_picture};
 use crate::scene::read_file;
 
 use super::args::InfoArgs;
 use super::exit::Exit;
 use super::memory::MemoryNeeds;
+use super::particle_file::ParticleFile;
 use super::system::on_threads;
-use super::{memory, print, render};
+use super::{memory, particle_info, print, render};
 
 /// Runs the command.
 ///
@@ -30,6 +32,11 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
             true => print::json(&records.json()?)?,
             false => print::result(&records.to_text()?)?,
         }
+        return Ok(Exit::Done);
+    }
+    let path = &args.scene.path;
+    if ParticleFile::is_one(path, &args.scene.overrides()) {
+        particle_info::run(path, &ReadRequest::default(), args.json)?;
         return Ok(Exit::Done);
     }
     on_threads(args.scene.threads(), || {

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::film::Aov;
 use crate::job::{Job, MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
+use crate::scene::data::SphereData;
 use crate::scene::description::ColorStorage;
 
 use crate::task::memory_limits;
@@ -98,6 +99,8 @@ fn pack_colors(file: &SceneFile) -> String {
     let tables = file.description.tables.iter().enumerate();
     let unpacked =
         tables.filter(|(_, table)| table.colors == ColorStorage::Exact && table.data.has_colors());
+    // Particles have packed colours unless a scene says otherwise.
+    let unpacked = unpacked.filter(|(_, table)| !matches!(table.data, SphereData::Particles(_)));
     let options = unpacked.map(|(i, _)| format!("--set sphere_tables.{i}.colors=packed"));
     options.collect::<Vec<_>>().join(" ")
 }

@@ -14,12 +14,16 @@ mod error;
 mod excerpt;
 mod exit;
 mod generate;
+mod import;
 mod info;
 mod interrupt;
 mod manual;
 mod memory;
 mod merge;
 mod outputs;
+mod particle_file;
+mod particle_info;
+mod pick;
 mod picture_file;
 mod plan;
 mod print;
@@ -111,7 +115,9 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Reproduce(args) => reproduce::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Pick(args) => pick::run(args),
         Command::Generate(args) => generate::run(args),
+        Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(args),
         Command::Doctor => doctor::run(),
         Command::Schema => print::result(&format!("{:#}\n", keys::schema())).map(|()| Exit::Done),

@@ -2,12 +2,14 @@
 
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
 use crate::image_io::{FileFormat, WriteOptions};
 use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
+use crate::overlay::OverlaySpec;
 
 use super::picture_file::{PictureFile, PictureNotes};
 
@@ -19,6 +21,7 @@ pub(super) struct Outputs {
     look: ViewTransform,
     dpi: Option<u32>,
     layers: Vec<Aov>,
+    overlay: Option<OverlaySpec>,
     with_run: bool,
 }
 
@@ -64,7 +67,8 @@ impl Outputs {
             refuse_look_without_screen(delivery, &pictures)?;
         }
         let OutputSpec { look, dpi, with_run_record: with_run, .. } = *delivery;
-        Ok(Self { pictures, part, look, dpi, layers: layers.to_vec(), with_run })
+        let layers = layers.to_vec();
+        Ok(Self { pictures, part, look, dpi, layers, overlay: None, with_run })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -87,6 +91,11 @@ impl Outputs {
         &self.pictures
     }
 
+    /// Sets what is drawn over the pictures.
+    pub(super) fn set_overlay(&mut self, overlay: Option<OverlaySpec>) {
+        self.overlay = overlay;
+    }
+
     /// Replaces the layers to write.
     pub(super) fn set_layers(&mut self, layers: &[Aov]) {
         self.layers = layers.to_vec();
@@ -102,12 +111,14 @@ impl Outputs {
     ) -> PictureNotes {
         let mut metadata = metadata.clone();
         metadata.run = metadata.run.filter(|_| self.with_run);
+        metadata.overlay.clone_from(&self.overlay);
         let cropped_from = frame_crop(frame);
         let notes = WriteOptions {
             crop_window: cropped_from,
             view_transform: self.look,
             dpi: self.dpi,
             metadata: Vec::new(),
+            overlay: self.overlay.as_ref().map(|overlay| Arc::new(overlay.draw())),
             fast: quickly,
         };
         PictureNotes { notes, metadata, layers: self.layers.clone() }

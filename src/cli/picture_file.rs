@@ -72,6 +72,7 @@ impl PictureFile {
         let usual = of.notes.view_transform == ViewTransform::default();
         let metadata = Metadata {
             look: (self.is_display_referred() && !usual).then_some(of.notes.view_transform),
+            overlay: of.metadata.overlay.clone().filter(|_| self.shows_overlay()),
             layers: self.has_layers().then(|| of.layers.clone()),
             ..of.metadata.clone()
         };
@@ -84,6 +85,11 @@ impl PictureFile {
                     .map_err(|e| Error::file("write", Path::new("standard output"), e))
             }
         }
+    }
+
+    /// Returns true if the format holds what is drawn over the picture.
+    fn shows_overlay(&self) -> bool {
+        self.is_display_referred() || self.has_layers()
     }
 
     /// Returns true if the picture could be written to another place instead.

@@ -1,14 +1,16 @@
 //! `photosphere reproduce`: renders a picture again from its metadata, and compares the pixels.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions, temp_folder};
+use crate::image_io::{self, ImageWriter, OverlayImage, RawChannel, WriteOptions, temp_folder};
 use crate::job::reproduce::{
     ReproduceOptions, Reproduction, ReproductionCost, read_metadata, reproduce,
 };
 use crate::job::{Metadata, frame_crop, is_checkpoint};
+use crate::overlay::OverlaySpec;
 use crate::report::{describe_in_standard_errors, describe_in_steps};
 use crate::task::memory_limits;
 
@@ -138,12 +140,20 @@ fn channels(
     let notes = WriteOptions {
         crop_window: frame_crop(again.film.frame()),
         view_transform: said.look.unwrap_or_default(),
+        overlay: overlay(said).map(Arc::new),
         ..WriteOptions::default()
     };
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
     let file = folder.join(name);
     ImageWriter::new(&file)?.write_with(&again.picture, &notes)?;
     image_io::read_raw_channels(&file)
+}
+
+/// Draws what a picture says that is drawn over it, if that is as large as the picture.
+fn overlay(said: &Metadata) -> Option<OverlayImage> {
+    let image = &said.settings.image;
+    let fits = |overlay: &&OverlaySpec| overlay.size == [image.width, image.height];
+    said.overlay.as_ref().filter(fits).map(OverlaySpec::draw)
 }
 
 fn is_png(path: &Path) -> bool {

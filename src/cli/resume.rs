@@ -47,6 +47,9 @@ fn scene(args: &ResumeArgs, header: &CheckpointHeader) -> Result<PathBuf> {
     if let Some(scene) = &args.scene {
         return Ok(scene.clone());
     }
+    if let Some(source) = render::scene_text(header) {
+        return Ok(PathBuf::from(source.name));
+    }
     let Some(scene) = header.source.as_ref().and_then(|source| source.file.clone()) else {
         let path = args.file.display();
         let message = format!("the scene of `{path}` was not read from a file");

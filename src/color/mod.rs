@@ -1,10 +1,12 @@
 //! Colours: linear Rec. 709 radiance and reflectance, and display transforms.
 
+mod difference;
 mod view_transform;
 mod visible_surface;
 
 use std::sync::LazyLock;
 
+pub use difference::ciede2000;
 pub use view_transform::{ToneCurve, ViewTransform};
 pub use visible_surface::{NO_ROW, VisibleSurface};
 

@@ -52,7 +52,11 @@ enum ChannelData<'a> {
 
 /// Writes the beauty and all layers. A crop is placed within the full picture's display window.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
-    let channels = channels(picture);
+    let size = [picture.width, picture.height];
+    let corner = notes.crop_window.map_or([0; 2], |crop| crop.offset);
+    let overlay = notes.overlay.as_ref().map(|overlay| overlay.linear_channels(size, corner));
+    let overlay = overlay.as_ref().map_or(&[][..], |channels| channels);
+    let channels = channels(picture, overlay);
     let headers = vec![header(picture, &channels, notes)];
     exr::block::write(&mut *to, headers.into(), true, |meta, file| {
         let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
@@ -77,7 +81,7 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
 }
 
 /// All channels, sorted by name as OpenEXR requires.
-fn channels(picture: &Picture) -> Vec<Channel<'_>> {
+fn channels<'a>(picture: &'a Picture, overlay: &'a [(&'static str, Vec<f32>)]) -> Vec<Channel<'a>> {
     let mut channels = Vec::new();
     let mut add = |name: String, values| channels.push(Channel { name, values });
     for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
@@ -95,6 +99,9 @@ fn channels(picture: &Picture) -> Vec<Channel<'_>> {
             ChannelValues::Uint(values) => ChannelData::Uint(values),
         };
         add(name.clone(), values);
+    }
+    for (name, values) in overlay {
+        add((*name).to_owned(), ChannelData::Float(values));
     }
     if let Some(alpha) = &picture.alpha {
         add("A".to_owned(), ChannelData::Float(alpha));

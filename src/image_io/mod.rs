@@ -14,6 +14,7 @@ mod format;
 mod hdr;
 mod metadata;
 mod notes;
+mod overlay_image;
 mod pfm;
 mod picture;
 mod png;
@@ -28,6 +29,7 @@ pub use atomic_file::{AtomicFile, Sink, remove_temp_files};
 pub use format::{FileFormat, PICTURE_FORMATS, has_picture_extension};
 pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
+pub use overlay_image::OverlayImage;
 pub use picture::{ChannelValues, ImageChannel, Picture};
 pub use png::rgba_png;
 pub use read::{

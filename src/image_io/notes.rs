@@ -1,7 +1,10 @@
 //! Options for writing a picture.
 
+use std::sync::Arc;
+
 use crate::color::ViewTransform;
 
+use super::overlay_image::OverlayImage;
 use super::record::MetadataEntry;
 
 /// Options for writing a picture: metadata, display and compression.
@@ -15,6 +18,8 @@ pub struct WriteOptions {
     pub dpi: Option<u32>,
     /// How the picture was made; written to PNG and EXR files.
     pub metadata: Vec<MetadataEntry>,
+    /// An image that is laid over the picture in PNG files, and is a layer of EXR files.
+    pub overlay: Option<Arc<OverlayImage>>,
     /// True if speed matters more than size: compresses less and does not sync to the disk.
     pub fast: bool,
 }

@@ -21,6 +21,7 @@ use crate::task::parallel;
 
 use super::atomic_file::Sink;
 use super::notes::{CropWindow, WriteOptions};
+use super::overlay_image::OverlayImage;
 use super::picture::Picture;
 use super::record::MetadataEntry;
 
@@ -107,8 +108,20 @@ fn encode_rows(picture: &Picture, notes: &WriteOptions, rows: Range<usize>) -> V
                 Some(_) => 0.0,
             };
             let light = picture.finite_beauty(pixel) * covered;
-            bytes.extend(notes.view_transform.to_display_8bit(light, left + column, top + row));
-            bytes.extend(alpha.map(|alpha| (alpha * 255.0).round() as u8));
+            let (x, y) = (left + column, top + row);
+            let color = notes.view_transform.to_display_8bit(light, x, y);
+            let alpha = alpha.map(|alpha| (alpha * 255.0).round() as u8);
+            let over = notes.overlay.as_ref().map(|overlay| overlay.get(x, y));
+            match (over.filter(|over| over[3] > 0), alpha) {
+                (None, alpha) => {
+                    bytes.extend(color);
+                    bytes.extend(alpha);
+                }
+                (Some(over), None) => bytes.extend(OverlayImage::over(over, color)),
+                (Some(over), Some(alpha)) => {
+                    bytes.extend(OverlayImage::over_alpha(over, color, alpha));
+                }
+            }
         }
     }
     bytes

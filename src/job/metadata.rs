@@ -16,6 +16,7 @@ use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::Aov;
 use crate::image_io::MetadataEntry;
+use crate::overlay::OverlaySpec;
 use crate::scene::settings::IntegratorSettings;
 use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
 
@@ -62,6 +63,9 @@ pub struct Metadata {
     /// The view transform of a display format, if it is not the default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<ViewTransform>,
+    /// What is drawn over the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlay: Option<OverlaySpec>,
     /// The AOVs, in formats that store them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<Vec<Aov>>,
@@ -138,6 +142,7 @@ impl Metadata {
             parts: MergedSamples::default(),
             biased: prepared.render_settings().biases(),
             look: None,
+            overlay: None,
             layers: None,
             files: relative_files(scene),
             scene: embedded_description(scene),

@@ -164,6 +164,7 @@ mod tests {
             parts: MergedSamples::default(),
             biased: Vec::new(),
             look: None,
+            overlay: None,
             layers: None,
             files: Vec::new(),
             scene: None,

@@ -88,7 +88,7 @@ pub fn reproduce(
 }
 
 /// Rebuilds the scene of a picture with its files in the given folder.
-fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> Result<Scene> {
+pub(super) fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> Result<Scene> {
     let Some(recorded_scene) = recorded.scene.clone() else {
         return Err(Error::input("the scene was too large to be stored in the picture")
             .with_help("render the scene file again, and compare the two pictures"));

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use crate::names::named_enum;
 
-use super::suggest::did_you_mean;
 use super::value_types::{InvalidValue, NonEmptyString, ParseValue, SpannedValue, ValueType};
+use crate::names::did_you_mean;
 
 /// The meaning of a number in a row of a sphere table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use super::columns::{Column, FileColumn, NumberType};
+use super::particle_file::ParticleTable;
 
 /// The values of many spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +36,8 @@ pub enum SphereData {
     /// emission.
     #[serde(serialize_with = "serialize_arrays", deserialize_with = "deserialize_arrays")]
     Memory(SphereArrays),
+    /// The particles of a file in a format of other programs.
+    Particles(Box<ParticleTable>),
 }
 
 /// Spheres as arrays in memory, each with its own type and layout. All arrays have the same length.
@@ -118,6 +121,7 @@ impl SphereData {
         match self {
             Self::File { columns, .. } => has_any(columns, Column::is_color),
             Self::Memory(arrays) => arrays.color.is_some(),
+            Self::Particles(_) => true,
         }
     }
 
@@ -126,6 +130,7 @@ impl SphereData {
         match self {
             Self::File { columns, .. } => has_any(columns, Column::is_emission),
             Self::Memory(arrays) => arrays.emission.is_some(),
+            Self::Particles(particles) => particles.appearance.glow > 0.0,
         }
     }
 

@@ -175,7 +175,7 @@ pub struct SphereDescription {
     pub material: usize,
 }
 
-/// A sphere table (`[[sphere_tables]]`): many spheres of one material.
+/// A sphere table (`[[sphere_tables]]` or `[[particles]]`): many spheres of one material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
@@ -222,8 +222,13 @@ impl SceneDescription {
     /// Applies `change` to the path of every file of the scene.
     pub(crate) fn for_each_file(&mut self, mut change: impl FnMut(&mut PathBuf)) {
         for table in &mut self.tables {
-            if let SphereData::File { path, .. } = &mut table.data {
-                change(path);
+            match &mut table.data {
+                SphereData::File { path, .. } => change(path),
+                SphereData::Particles(particles) => {
+                    change(&mut particles.path);
+                    particles.topology.iter_mut().for_each(&mut change);
+                }
+                SphereData::Memory(_) => {}
             }
         }
         if let EnvironmentDescription::Image { file, .. } = &mut self.background.dome {
@@ -238,11 +243,13 @@ impl SceneDescription {
     /// If there is no table with this index.
     pub fn name_of_table(&self, index: usize) -> String {
         let SphereTable { name, data, .. } = &self.tables[index];
-        let of_file = || match data {
-            SphereData::File { path, .. } => {
-                path.file_name().map(|name| name.to_string_lossy().into_owned())
-            }
-            SphereData::Memory(_) => None,
+        let of_file = || {
+            let path = match data {
+                SphereData::File { path, .. } => path,
+                SphereData::Particles(particles) => &particles.path,
+                SphereData::Memory(_) => return None,
+            };
+            path.file_name().map(|name| name.to_string_lossy().into_owned())
         };
         name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
     }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use crate::appearance::Dressed;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereRows};
@@ -15,11 +16,13 @@ use crate::math::{DVec3, NO_SPHERE};
 use super::arrays;
 use super::colors::SphereColors;
 use super::complaint::TableDiagnostic;
-use super::data::SphereData;
+use super::data::{SphereArrays, SphereData};
 use super::description::{EnvironmentDescription, SceneDescription, SphereTable};
 use super::environment::{self, EnvironmentPixels};
+use super::particle_table::{self, ParticleError};
 use super::storage::try_with_capacity;
 use super::table_layout::{FileTable, LayoutError, TableLayout};
+use super::table_path::table_path;
 use super::table_reader::{Row, RowColors, TableReader};
 use super::validate::check_columns;
 use super::validation_errors::{KeyPath, ValidationErrors};
@@ -82,6 +85,17 @@ pub(super) struct TablePlan {
     is_f64: bool,
     /// Where the numbers of a file are.
     layout: Option<TableLayout>,
+    /// The particles of a file, which are read at once.
+    pub(super) particles: Option<PlannedParticles>,
+}
+
+/// Particles that have been read.
+#[derive(Clone, Debug)]
+pub(super) struct PlannedParticles {
+    /// Their numbers.
+    pub(super) arrays: SphereArrays,
+    /// How they look, without the numbers.
+    pub(super) look: Dressed,
 }
 
 impl ImportPlan {
@@ -91,13 +105,30 @@ impl ImportPlan {
         description: &mut SceneDescription,
         problems: &mut ValidationErrors,
     ) -> Self {
+        Self::scan_with(description, Vec::new(), problems)
+    }
+
+    /// Examines the files of a description. Particles of tables that an earlier plan has are taken
+    /// from there.
+    pub(super) fn scan_with(
+        description: &mut SceneDescription,
+        mut earlier: Vec<TablePlan>,
+        problems: &mut ValidationErrors,
+    ) -> Self {
         let environment = match &description.background.dome {
             EnvironmentDescription::Image { file, .. } => read_environment(file, problems),
             _ => None,
         };
-        let tables = description.tables.iter_mut().enumerate();
-        let tables = tables.map(|(index, table)| TablePlan::scan(index, table, problems)).collect();
-        Self { tables, environment }
+        let paths: Vec<KeyPath> = (0..description.tables.len())
+            .map(|index| table_path(&description.tables, index))
+            .collect();
+        earlier.resize_with(description.tables.len(), TablePlan::default);
+        let tables = description.tables.iter_mut().zip(paths).zip(earlier);
+        let tables = tables.map(|((table, at), earlier)| match earlier.particles {
+            Some(_) => earlier,
+            None => TablePlan::scan(&at, table, problems),
+        });
+        Self { tables: tables.collect(), environment }
     }
 
     /// Number of spheres, including duplicates.
@@ -121,27 +152,40 @@ impl ImportPlan {
 }
 
 impl TablePlan {
-    fn scan(index: usize, table: &mut SphereTable, problems: &mut ValidationErrors) -> Self {
+    fn scan(at: &KeyPath, table: &mut SphereTable, problems: &mut ValidationErrors) -> Self {
         let is_moved = table.offset != DVec3::ZERO;
         let (path, columns, skip_rows, skip_bytes) = match &mut table.data {
             SphereData::Memory(arrays) => {
                 let is_f64 = is_moved || arrays.is_f64();
-                return Self { rows: arrays.len() as u64, is_f64, layout: None };
+                return Self { rows: arrays.len() as u64, is_f64, ..Self::default() };
+            }
+            SphereData::Particles(particles) => {
+                let appearance = &particles.appearance;
+                let mut look = match particles.dress() {
+                    Ok(dressed) => dressed,
+                    Err(error) => {
+                        add_particle_error(at, error, problems);
+                        return Self::default();
+                    }
+                };
+                let arrays = particle_table::arrays(&mut look, appearance.glow, appearance.shade);
+                let (rows, is_f64) = (arrays.len() as u64, arrays.is_f64());
+                let particles = Some(PlannedParticles { arrays, look });
+                return Self { rows, is_f64, layout: None, particles };
             }
             SphereData::File { path, columns, skip_rows, skip_bytes } => {
                 (path, columns, *skip_rows, *skip_bytes)
             }
         };
-        let at = table_path(index);
         let file = FileTable { at: at.to_string(), path, columns, skip_rows, skip_bytes };
         match file.layout() {
             Ok((layout, unlisted)) => {
                 if let Some(unlisted) = unlisted {
-                    check_columns(&at, &unlisted, problems);
+                    check_columns(at, &unlisted, problems);
                     *columns = unlisted;
                 }
                 let is_f64 = is_moved || layout.is_f64();
-                Self { rows: layout.rows, is_f64, layout: Some(layout) }
+                Self { rows: layout.rows, is_f64, layout: Some(layout), particles: None }
             }
             Err(LayoutError { key, message, help }) => {
                 let problem = problems.add(at.key(key), message).with_help(help);
@@ -152,8 +196,17 @@ impl TablePlan {
     }
 }
 
-fn table_path(index: usize) -> KeyPath {
-    KeyPath::root("sphere_tables").entry(index, None)
+fn add_particle_error(at: &KeyPath, error: ParticleError, problems: &mut ValidationErrors) {
+    match error {
+        ParticleError::File(error) => {
+            let help = error.help().map(str::to_owned);
+            problems.add(at.key("file"), error.to_string()).with_help(help);
+        }
+        ParticleError::Option(error) => {
+            let problem = problems.add(at.key(error.key), error.message);
+            problem.with_help(error.help).within(error.span);
+        }
+    }
 }
 
 fn read_environment(file: &Path, problems: &mut ValidationErrors) -> Option<EnvironmentPixels> {
@@ -173,7 +226,7 @@ fn read_environment(file: &Path, problems: &mut ValidationErrors) -> Option<Envi
 /// If there are too many spheres, or too little memory.
 pub(super) fn load_tables(
     description: &mut SceneDescription,
-    survey: &ImportPlan,
+    survey: ImportPlan,
     problems: &mut ValidationErrors,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
     check_count(survey.sphere_count(description))?;
@@ -186,19 +239,21 @@ pub(super) fn load_tables(
     // The exact spheres will be appended to this array.
     let mut all = try_with_capacity(survey.sphere_count(description))?;
     let mut groups = Vec::with_capacity(description.tables.len());
-    for (index, (table, plan)) in description.tables.iter_mut().zip(&survey.tables).enumerate() {
+    let paths: Vec<KeyPath> =
+        (0..description.tables.len()).map(|index| table_path(&description.tables, index)).collect();
+    for (index, (table, plan)) in description.tables.iter_mut().zip(survey.tables).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
         let brightest = description.materials[table.material].surface.max_row_color();
         let read = match index < wide {
-            true => read_table(table, plan, brightest, &mut exact)?,
-            false => read_table(table, plan, brightest, &mut all)?,
+            true => read_table(table, &plan, brightest, &mut exact)?,
+            false => read_table(table, &plan, brightest, &mut all)?,
         };
-        let is_file = matches!(table.data, SphereData::File { .. });
+        let is_file = !matches!(table.data, SphereData::Memory(_));
         table.data.let_go();
         match read {
             Err((message, help)) => {
                 let key = if is_file { "file" } else { "data" };
-                problems.add(table_path(index).key(key), message).with_help(help);
+                problems.add(paths[index].key(key), message).with_help(help);
             }
             Ok((RowColors { albedo: colors, emission }, ids)) => {
                 let (count, material) = (plan.rows as u32, table.material);
@@ -229,6 +284,16 @@ fn read_table<T: Row>(
             let message = format!("`{}` has not been examined", path.display());
             Err((message, None))
         }
+        (SphereData::Particles(particles), _) => match &plan.particles {
+            Some(PlannedParticles { arrays, .. }) => {
+                arrays::read_spheres(arrays, *colors, *offset, brightest, to)
+                    .map(|colors| (colors, None))
+            }
+            None => {
+                let message = format!("`{}` has not been read", particles.path.display());
+                Err((message, None))
+            }
+        },
         (SphereData::Memory(arrays), _) => {
             arrays::read_spheres(arrays, *colors, *offset, brightest, to)
                 .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?)))

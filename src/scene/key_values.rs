@@ -4,13 +4,16 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::appearance::range_text;
+
 use super::data::{FileColumn, SphereData};
 use super::description::{
-    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
-    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
-    SunDescription,
+    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
+    LensDescription, MaterialDescription, ProjectionDescription, SceneDescription,
+    SphereDescription, SphereTable, SunDescription,
 };
 use super::keys::{self, Key, KeyVisitor};
+use super::particle_file::ParticleTable;
 use super::settings::{
     ImageSettings, IntegratorSettings, PaperSettings, PathTermination, RenderSettings, Settings,
 };
@@ -87,6 +90,8 @@ impl SceneDescription {
                 Value::from(section)
             };
         root.add("spheres", spheres.iter().map(of_sphere).collect::<Vec<_>>());
+        let is_particles =
+            |(_, table): &(usize, &SphereTable)| matches!(table.data, SphereData::Particles(_));
         let of_table =
             |(index, SphereTable { name: _, data, material, colors, offset }): (_, &_)| {
                 use keys::table as keys;
@@ -104,7 +109,16 @@ impl SceneDescription {
                 }
                 Value::from(section)
             };
-        root.add("sphere_tables", tables.iter().enumerate().map(of_table).collect::<Vec<_>>());
+        let (particles, others): (Vec<_>, Vec<_>) =
+            tables.iter().enumerate().partition(is_particles);
+        root.add("sphere_tables", others.into_iter().map(of_table).collect::<Vec<_>>());
+        let of_particles = |(index, table): (usize, &SphereTable)| {
+            of_particles(table, self.name_of_table(index), name_of(table.material))
+        };
+        let particles: Vec<Value> = particles.into_iter().filter_map(of_particles).collect();
+        if !particles.is_empty() {
+            root.add("particles", particles);
+        }
         root.into()
     }
 }
@@ -190,10 +204,56 @@ fn of_material(material: &MaterialDescription) -> Section {
     section
 }
 
+impl SceneDescription {
+    /// The keys of an entry of `[[particles]]` that are not left at their defaults, with their
+    /// values as TOML; without file, name and material. Empty if there is no such entry.
+    pub fn particle_keys(&self, index: usize) -> Vec<(String, String)> {
+        let particles = |table: &&SphereTable| matches!(table.data, SphereData::Particles(_));
+        let Some(table) = self.tables.iter().filter(particles).nth(index) else {
+            return Vec::new();
+        };
+        let plain = SphereTable {
+            data: SphereData::Particles(Box::default()),
+            colors: ColorStorage::Packed,
+            ..SphereTable::default()
+        };
+        let keys = |table| of_particles(table, String::new(), None).unwrap_or_default();
+        let (given, usual) = (keys(table), keys(&plain));
+        let entries = given.as_object().into_iter().flatten();
+        let changed =
+            entries.filter(|(key, value)| *key != "file" && usual.get(key) != Some(value));
+        changed.map(|(key, value)| (key.clone(), value.to_string())).collect()
+    }
+}
+
+/// The keys of `[[particles]]`; `None` for other tables.
+fn of_particles(table: &SphereTable, name: String, material: Option<&str>) -> Option<Value> {
+    use keys::particles as keys;
+    let SphereData::Particles(particles) = &table.data else { return None };
+    let ParticleTable { path, format, frame, columns, topology, appearance } = &**particles;
+    let mut section = Section::default();
+    section.set(&keys::NAME, name);
+    section.set(&keys::FILE, path.display().to_string());
+    section.set_if_given(&keys::MATERIAL, material);
+    section.set(&keys::COLORS, table.colors);
+    section.set_if_given(&keys::FORMAT, *format);
+    section.set(&keys::FRAME, frame);
+    section.set_if_given(&keys::COLUMNS, (!columns.is_empty()).then(|| columns.join(",")));
+    let topology = topology.as_ref().map(|file| file.display().to_string());
+    section.set_if_given(&keys::TOPOLOGY, topology);
+    section.set(&keys::RADIUS, appearance.radius.to_string());
+    section.set(&keys::COLOR, appearance.color.to_string());
+    section.set(&keys::RANGE, range_text(&appearance.range));
+    section.set(&keys::REPLICATE, appearance.replicate);
+    keys::visit_keys(&mut appearance.clone(), &mut section);
+    Some(section.into())
+}
+
 /// File and columns of a table.
 fn file_and_columns(data: &SphereData) -> (String, Vec<FileColumn>) {
     match data {
         SphereData::File { path, columns, .. } => (path.display().to_string(), columns.clone()),
+        SphereData::Particles(particles) => (particles.path.display().to_string(), Vec::new()),
         SphereData::Memory(arrays) => {
             let columns = arrays.columns().map(|(column, _)| column.into()).collect();
             (format!("{} spheres in memory", arrays.len()), columns)

@@ -66,18 +66,18 @@ impl Scene {
     /// Builds a scene from validated values. `refuse` reports problems with its tables.
     pub(super) fn assemble(
         mut description: SceneDescription,
-        survey: ImportPlan,
+        mut survey: ImportPlan,
         source: Option<SceneSource>,
         refuse: impl FnOnce(ValidationErrors) -> Result<()>,
     ) -> Result<Self> {
         description.make_canonical();
         let mut problems = ValidationErrors::default();
         let size = SceneSize::new(&description, &survey);
-        let (rows, groups) = load_tables(&mut description, &survey, &mut problems)?;
+        let environment = survey.environment.take();
+        let (rows, groups) = load_tables(&mut description, survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
         }
-        let ImportPlan { environment, .. } = survey;
         let hashes = SceneHashes::new(&description, &rows, &groups, environment.as_ref());
         let identity = hashes.scene_hash(&description);
         let spheres = Arc::new(SphereSet::new(rows)?);
@@ -318,6 +318,20 @@ impl Scene {
         let group = self.group_of(row);
         let ids = group.ids.as_ref().map(|ids| ids.as_slice()[(row - group.first_row) as usize]);
         ids.unwrap_or(row)
+    }
+
+    /// Index of the table that contains a row of the scene, and the row within it; `None` for an
+    /// individually described sphere.
+    ///
+    /// # Panics
+    /// If the scene has no such row.
+    pub fn table_and_row(&self, row: u32) -> Option<(usize, u32)> {
+        self.demand_row(row);
+        if (row as usize) < self.description.spheres.len() {
+            return None;
+        }
+        let index = self.index_of_group(row);
+        Some((index, row - self.groups[index].first_row))
     }
 
     /// The table that contains a row. The row must not be an individually described sphere.

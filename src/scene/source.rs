@@ -182,6 +182,9 @@ impl SceneHashes {
         let environment = environment.map(|pixels| ContentHash(pixels.hash().into()));
         let of_table = |(table, hash): (&SphereTable, &ContentHash)| match &table.data {
             SphereData::File { path, .. } => Some(FileHash { file: path.clone(), hash: *hash }),
+            SphereData::Particles(particles) => {
+                Some(FileHash { file: particles.path.clone(), hash: *hash })
+            }
             SphereData::Memory(_) => None,
         };
         let mut files: Vec<FileHash> =

@@ -14,6 +14,7 @@ use super::settings::{
     ImageSettings, IntegratorSettings, PathTermination, RenderSettings, Settings,
 };
 use super::surface::{AddedShares, SHARE_ROUNDING};
+use super::table_path::table_path;
 use super::validation_errors::{KeyPath, ValidationErrors};
 use super::value_types::ValueType;
 
@@ -59,12 +60,13 @@ impl SceneDescription {
             check_sphere(index, sphere, materials.len(), &mut problems);
         }
         for (index, table) in tables.iter().enumerate() {
-            check_table(index, table, materials.len(), &mut problems);
+            check_table(table_path(tables, index), table, materials.len(), &mut problems);
         }
         if spheres.is_empty() && tables.is_empty() {
             let problem = problems.add(KeyPath::root("spheres"), "the scene has no spheres");
             problem
                 .with_related(KeyPath::root("sphere_tables"))
+                .with_related(KeyPath::root("particles"))
                 .with_help("add a sphere or a table of spheres".to_owned());
         }
         problems
@@ -348,13 +350,12 @@ fn check_sphere(
 }
 
 fn check_table(
-    index: usize,
+    at: KeyPath,
     table: &SphereTable,
     materials: usize,
     problems: &mut ValidationErrors,
 ) {
     let SphereTable { name, data, material, colors: _, offset } = table;
-    let at = KeyPath::root("sphere_tables").entry(index, None);
     if let Some(name) = name {
         problems.check(&at, &keys::table::NAME, name);
     }
@@ -363,6 +364,11 @@ fn check_table(
         SphereData::File { columns, .. } if columns.is_empty() => {}
         SphereData::File { columns, .. } => check_columns(&at, columns, problems),
         SphereData::Memory(arrays) => check_arrays(&at, arrays, problems),
+        SphereData::Particles(particles) => {
+            let mut appearance = particles.appearance.clone();
+            keys::particles::visit_keys(&mut appearance, &mut Checker { table: &at, problems });
+            problems.check(&at, &keys::particles::REPLICATE, &appearance.replicate.to_vec());
+        }
     }
     problems.check(&at, &keys::table::OFFSET, offset);
     check_index(&at, *material, materials, problems);

@@ -2,6 +2,7 @@
 //! its key, and the scene file reader finds the position of that key.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::error::{Diagnostic, Error, Result};
 
@@ -29,6 +30,8 @@ pub(super) struct ValidationError {
     pub(super) related: Vec<KeyPath>,
     pub(super) message: String,
     pub(super) help: Option<String>,
+    /// Bytes of a text value that the message is about.
+    pub(super) within: Option<Range<usize>>,
 }
 
 /// All errors found.
@@ -102,6 +105,7 @@ impl ValidationErrors {
             related: Vec::new(),
             message: message.into(),
             help: None,
+            within: None,
         });
         self.0.last_mut().expect("it was just added")
     }
@@ -124,6 +128,12 @@ impl ValidationError {
     /// Sets the help text.
     pub(super) fn with_help(&mut self, help: impl Into<Option<String>>) -> &mut Self {
         self.help = help.into();
+        self
+    }
+
+    /// Narrows the error to a part of a text value.
+    pub(super) fn within(&mut self, part: Option<Range<usize>>) -> &mut Self {
+        self.within = part;
         self
     }
 

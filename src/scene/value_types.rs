@@ -17,7 +17,7 @@ use crate::color::Rgb;
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::names::Named;
 
-use super::suggest::did_you_mean;
+use crate::names::did_you_mean;
 
 /// Byte range of a value.
 pub(super) type Span = std::ops::Range<usize>;
@@ -109,6 +109,9 @@ pub(super) struct Boolean;
 
 /// A non-empty string.
 pub(super) struct NonEmptyString;
+
+/// A non-empty string, or a number that stands for its text.
+pub(super) struct TextOrNumber;
 
 /// One of a few words.
 pub(super) struct EnumValue<T>(PhantomData<T>);
@@ -337,6 +340,34 @@ impl ValueType for NonEmptyString {
 
     fn schema(&self) -> Value {
         json!({ "type": "string", "minLength": 1, "maxLength": MAX_TEXT_BYTES })
+    }
+}
+
+impl ParseValue for TextOrNumber {
+    type Output = String;
+
+    fn expects(&self) -> String {
+        "a string or a number".into()
+    }
+
+    fn parse(&self, node: &SpannedValue<'_>) -> Result<String, InvalidValue> {
+        match node.get_ref() {
+            DeValue::Integer(integer) => Ok(integer.to_string()),
+            DeValue::Float(float) => Ok(float.to_string()),
+            _ => NonEmptyString.parse(node),
+        }
+    }
+}
+
+impl ValueType for TextOrNumber {
+    fn check(&self, value: &String) -> Result<(), String> {
+        NonEmptyString.check(value)
+    }
+
+    fn schema(&self) -> Value {
+        let mut schema = NonEmptyString.schema();
+        schema["type"] = json!(["string", "number"]);
+        schema
     }
 }
 

@@ -22,6 +22,8 @@ mod memory_plan;
 #[cfg(unix)]
 mod mistakes_in_a_scene;
 #[cfg(unix)]
+mod particles;
+#[cfg(unix)]
 mod pictures;
 #[cfg(unix)]
 mod plan;

@@ -4,16 +4,18 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use photosphere::appearance::Appearance;
 use photosphere::color::Rgb;
 use photosphere::math::{DVec3, Rect};
+use photosphere::particles::Format;
 use photosphere::scene::data::{Column, FileColumn, NumberType, SphereArrays, SphereData};
 use photosphere::scene::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
     SceneDescription, SphereDescription, SphereTable, SunDescription,
 };
 use photosphere::scene::keys::all;
-use photosphere::scene::read_text;
 use photosphere::scene::settings::{FilterKind, ImageSettings, RenderSettings, Settings};
+use photosphere::scene::{ParticleTable, read_text};
 use serde_json::Value;
 
 use crate::keys::{folder, integrators, projections, surfaces};
@@ -135,6 +137,21 @@ fn every_value_has_a_key() {
         let arrays = SphereArrays::from_rows(vec![[0.0, 0.0, 0.0, 1.0]]);
         let arrays = arrays.with_colors(vec![[0.5f32; 3]]);
         let data = SphereData::Memory(arrays);
+        description.tables.push(SphereTable { data, ..SphereTable::default() });
+        let appearance = Appearance {
+            select: Some("z > 0".into()),
+            slice: Some("x > 0".into()),
+            ..Appearance::default()
+        };
+        let particles = ParticleTable {
+            path: "run.xtc".into(),
+            format: Some(Format::Xtc),
+            columns: vec!["x".into()],
+            topology: Some("conf.gro".into()),
+            appearance,
+            ..ParticleTable::default()
+        };
+        let data = SphereData::Particles(Box::new(particles));
         description.tables.push(SphereTable { data, ..SphereTable::default() });
         leaves(&description.to_keys(), &[], &mut found);
     }

@@ -21,7 +21,9 @@ pub fn program() -> Command {
 
 /// Lets an option take a negative number as its value. Otherwise clap reads it as another option.
 fn with_negative_numbers(arg: Arg) -> Arg {
-    let takes_value = arg.get_long().is_some() && arg.get_action().takes_values();
+    let takes_value = arg.get_long().is_some()
+        && arg.get_action().takes_values()
+        && !arg.is_allow_hyphen_values_set();
     if takes_value { arg.allow_negative_numbers(true) } else { arg }
 }
 

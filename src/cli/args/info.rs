@@ -6,12 +6,14 @@ use super::accel::AccelArg;
 use super::memory::MemoryArg;
 use super::scene::SceneArgs;
 
-/// Summarise a scene (contents, memory, likely mistakes) or a picture (how it was made)
+/// Summarise a scene (contents, memory, likely mistakes), a particle file, or a picture (how it was
+/// made)
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   photosphere info scenes/cornell-spheres.toml
   photosphere info fig2.png
+  photosphere info run.lammpstrj
   photosphere info grains.toml --json | jq .spheres
   photosphere info grains.toml --memory-limit 8GiB
 

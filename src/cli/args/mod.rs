@@ -12,16 +12,20 @@ mod converge;
 mod crosscheck;
 mod generate;
 pub mod help;
+mod import;
 mod info;
 mod keep;
 mod memory;
 mod output;
+mod overlay;
+mod pick;
 mod picture;
 mod plan;
 mod render;
 mod reproduce;
 mod scene;
 mod stop;
+mod studio;
 mod trace;
 mod values;
 mod verify;
@@ -35,9 +39,11 @@ pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
 pub use crosscheck::CrosscheckArgs;
 pub use generate::GenerateArgs;
+pub use import::ImportArgs;
 pub use info::InfoArgs;
 pub use keep::{MergeArgs, ResumeArgs};
 pub use output::OutputArgs;
+pub use pick::PickArgs;
 pub use plan::{Division, PlanArgs, PlanFormat};
 pub use render::RenderArgs;
 pub use reproduce::ReproduceArgs;
@@ -80,6 +86,8 @@ pub enum Command {
     Trace(TraceArgs),
     Verify(VerifyArgs),
     Generate(GenerateArgs),
+    Import(Box<ImportArgs>),
+    Pick(PickArgs),
     Info(InfoArgs),
     /// Report the Embree version, the instruction set, and what is missing
     #[command(after_help = "\
@@ -129,11 +137,13 @@ impl Command {
             Self::Trace(args) => args.json,
             Self::Verify(args) => args.json,
             Self::Info(args) => args.json,
+            Self::Pick(args) => args.json,
             Self::Merge(_)
             | Self::Plan(_)
             | Self::Crosscheck(_)
             | Self::Reproduce(_)
             | Self::Generate(_)
+            | Self::Import(_)
             | Self::Doctor
             | Self::Schema
             | Self::Completions { .. }

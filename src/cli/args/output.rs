@@ -11,6 +11,7 @@ use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
 use crate::image_io::{FileFormat, PICTURE_FORMATS};
 use crate::job::{FilePath, OutputSpec};
+use crate::overlay::OverlayChoice;
 
 use super::values::{exposure, named, one_of};
 
@@ -70,6 +71,7 @@ impl OutputArgs {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
             dpi: self.dpi,
+            overlay: OverlayChoice::default(),
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,

@@ -1,13 +1,13 @@
 //! The options that override a scene's render settings, for every command that renders or plans.
 //! The table that declares the keys of a scene also declares these options.
 
-use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
 
 use crate::scene::Override;
 use crate::scene::keys::{self, CliOption, KeyInfo};
 
-use super::scene::SceneArgs;
+use super::scene::{SceneArgs, SceneOptions};
 use super::values::{Size, size, whole};
 
 /// Overrides of the scene's settings.
@@ -27,7 +27,12 @@ impl PictureArgs {
 
     /// Returns the overrides of the scene. `--set` comes last and wins.
     pub fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
-        self.given.iter().cloned().chain(scene.overrides()).collect()
+        self.overrides_with(&scene.options)
+    }
+
+    /// Returns the overrides of the scene. `--set` comes last and wins.
+    pub fn overrides_with(&self, options: &SceneOptions) -> Vec<Override> {
+        self.given.iter().cloned().chain(options.overrides()).collect()
     }
 }
 
@@ -39,6 +44,14 @@ fn options() -> impl Iterator<Item = (KeyInfo, CliOption)> {
 /// Returns true if the schema type of the key is `kind`.
 fn is_a(key: &KeyInfo, kind: &str) -> bool {
     key.schema["type"] == kind
+}
+
+/// The table of particle files, of which options change the first.
+const PARTICLES: &str = "particles";
+
+/// Returns true if the key takes any text or a number.
+fn is_text(key: &KeyInfo) -> bool {
+    key.schema["type"].is_array()
 }
 
 /// Returns the help text: the key's description, and the names that it accepts.
@@ -57,11 +70,16 @@ fn help(key: &KeyInfo, option: &CliOption) -> String {
 
 /// Builds the clap argument. Ranges are checked when the scene is read.
 fn argument(key: &KeyInfo, option: &CliOption) -> Arg {
-    let arg = Arg::new(option.name)
-        .long(option.name)
-        .value_name(option.value)
-        .help(help(key, option))
-        .allow_negative_numbers(true);
+    let arg = Arg::new(option.name).long(option.name).help(help(key, option));
+    let arg = if key.table == PARTICLES { arg.help_heading("Particle files") } else { arg };
+    if is_a(key, "boolean") {
+        return arg.action(ArgAction::SetTrue);
+    }
+    let arg = arg.value_name(option.value);
+    let arg = match is_text(key) {
+        true => arg.allow_hyphen_values(true),
+        false => arg.allow_negative_numbers(true),
+    };
     match is_a(key, "integer") {
         true => arg.value_parser(whole),
         false => arg.value_parser(clap::value_parser!(String)),
@@ -96,13 +114,23 @@ impl FromArgMatches for PictureArgs {
         let size = matches.get_one::<Size>(SIZE).copied();
         self.given.extend(size.into_iter().flat_map(Size::overrides));
         for (key, option) in options() {
+            let name = match key.table {
+                PARTICLES => format!("{PARTICLES}.0.{}", key.name),
+                table => format!("{table}.{}", key.name),
+            };
+            if is_a(&key, "boolean") {
+                if matches.get_flag(option.name) {
+                    let flag = format!("--{}", option.name);
+                    self.given.push(Override::new(name, "true").with_option([&*flag]));
+                }
+                continue;
+            }
             let given = match is_a(&key, "integer") {
                 true => matches.get_one::<i128>(option.name).map(ToString::to_string),
                 false => matches.get_one::<String>(option.name).cloned(),
             };
             let Some(given) = given else { continue };
             let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
-            let name = format!("{}.{}", key.table, key.name);
             let words = [&*format!("--{}", option.name), &*given];
             self.given.push(Override::new(name, value).with_option(words));
         }

@@ -1,6 +1,7 @@
 //! The options of `photosphere render`.
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -10,16 +11,21 @@ use super::accel::AccelArg;
 use super::keep::CheckpointArgs;
 use super::memory::MemoryArg;
 use super::output::{OutputArgs, StdoutArgs};
+use super::overlay::OverlayArgs;
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::stop::{StopArgs, WatchArgs};
+use super::studio::StudioArgs;
 use super::values::samples;
 
-/// Render a scene to a picture
+/// Render a scene or a particle file to a picture
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   photosphere render fig2.toml -o fig2.png
+  photosphere render run.lammpstrj -o run.png --color c_pe --view iso
+  photosphere render cloud.ply -o cloud.png --style paper
+  photosphere render frames/*.xyz -o pictures/
   photosphere render fig2.toml -o quick.png --size 320x240 --spp 4
   photosphere render fig2.toml -o fig2.exr --estimator light --spp 1024 --seed 7
   photosphere render fig2.toml -o red.png --set materials.grass.albedo=[0.6,0,0]
@@ -37,6 +43,10 @@ rendering starts, exits at once and writes nothing. To resume a render with --ch
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+
+    /// More scenes or particle files, for -o DIR/
+    #[arg(value_name = "MORE")]
+    pub more: Vec<PathBuf>,
 
     #[command(flatten)]
     pub output: OutputArgs,
@@ -74,6 +84,13 @@ pub struct RenderArgs {
     /// Print the statistics of the render as one JSON object on the standard output
     #[arg(long)]
     pub json: bool,
+
+    // Last, because their headings hold for all options behind them.
+    #[command(flatten)]
+    pub studio: StudioArgs,
+
+    #[command(flatten)]
+    pub overlay: OverlayArgs,
 }
 
 impl RenderArgs {

@@ -1,5 +1,6 @@
 //! `photosphere render`: renders a scene to picture files. `resume` uses this module, too.
 
+mod batch;
 mod checkpoint;
 mod finish;
 mod report;
@@ -9,15 +10,19 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::job::{Checkpoint, Job, Session, SessionOptions, UNLIMITED_SAMPLES};
+use crate::job::{Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES};
+use crate::overlay::OverlaySpec;
 use crate::scene::settings::ImageSettings;
-use crate::scene::{CameraEnclosure, Scene, Settings};
+use crate::scene::{CameraEnclosure, Scene, SceneFile, SceneSource, Settings, read_text};
+
+use crate::studio::overlay_spec;
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
 use super::memory::MemoryNeeds;
 use super::outputs::{self, Outputs};
+use super::particle_file::{self, ParticleFile};
 use super::progress::{self, ProgressDisplay};
 use super::recorded_outputs::recorded;
 use super::system::on_threads;
@@ -28,7 +33,7 @@ use checkpoint::CheckpointTarget;
 use finish::RenderFinisher;
 use report::Times;
 
-pub(super) use request::RenderRequest;
+pub(super) use request::{RenderRequest, scene_text};
 
 /// Runs the command.
 ///
@@ -40,7 +45,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
             "a scene on the standard input cannot be read again, to resume its checkpoint";
         return Err(Error::input(message).with_help("write the scene into a file, and render that"));
     }
-    execute(&RenderRequest::of_args(args))
+    if let Some(folder) = batch::folder(args)? {
+        return batch::run(args, &folder, |request| run_one(&request, args));
+    }
+    run_one(&RenderRequest::of_args(args), args)
+}
+
+/// Renders one scene or particle file.
+fn run_one(request: &RenderRequest, args: &RenderArgs) -> Result<Exit> {
+    if !ParticleFile::is_one(&request.scene, &request.overrides) {
+        particle_file::refuse_options(&request.scene, args.studio.first_given())?;
+    }
+    execute(request)
 }
 
 /// Executes a render.
@@ -51,14 +67,15 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&request.output_paths())?;
     request.check_stdout()?;
     let (layers, format) = (&request.job.layers, request.stdout_format);
-    let outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
+    let mut outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
     let keep = CheckpointTarget::new(request.checkpoint.as_deref(), &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
     let interrupt = interrupt::listen();
     let mut clock = Clock(Instant::now());
     let threads = (request.job.threads > 0).then_some(request.job.threads);
-    let (scene, settings) = on_threads(threads, || load(request))?;
+    let Loaded { scene, settings, overlay } = on_threads(threads, || load(request))?;
+    outputs.set_overlay(overlay);
     let load_s = clock.lap();
     let about_spheres = about_spheres(&scene, &settings.image);
     about_spheres.iter().for_each(print::warning);
@@ -85,9 +102,17 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     })
 }
 
+/// A scene that has been loaded.
+struct Loaded {
+    scene: Scene,
+    settings: Settings,
+    /// What is drawn over its picture.
+    overlay: Option<OverlaySpec>,
+}
+
 /// Loads the scene and its settings, if they fit into memory.
-fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
-    let mut file = scene_file::read(&request.scene, &request.overrides)?;
+fn load(request: &RenderRequest) -> Result<Loaded> {
+    let mut file = read_scene(request)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
@@ -95,7 +120,23 @@ fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
     let chosen = request.job.accel.select_for_count(file.size().spheres as usize);
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
-    file.build()
+    let OutputSpec { overlay, dpi, .. } = &request.delivery;
+    let overlay = overlay_spec(overlay, &file, *dpi);
+    let (scene, settings) = file.build()?;
+    Ok(Loaded { scene, settings, overlay })
+}
+
+/// Reads the scene, or makes one of a particle file.
+fn read_scene(request: &RenderRequest) -> Result<SceneFile> {
+    let (path, overrides) = (&request.scene, &request.overrides);
+    if let Some(SceneSource { name, folder, text: Some(text), .. }) = &request.scene_text {
+        return read_text(name, text, folder, overrides);
+    }
+    if !ParticleFile::is_one(path, overrides) {
+        return scene_file::read(path, overrides);
+    }
+    let file = ParticleFile { path, overrides, quiet: request.quiet };
+    Ok(file.import(&request.studio)?.scene)
 }
 
 /// Opens the render session, with the samples of the checkpoint if there are any.

@@ -8,12 +8,17 @@ use crate::cli::outputs::{is_part, is_stdout};
 use crate::error::{Error, Result};
 use crate::image_io::FileFormat;
 use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec};
-use crate::scene::Override;
+use crate::scene::{Override, SceneSource};
+use crate::studio::StudioOptions;
 
 /// A render to execute, as the options or a checkpoint specify it.
 pub(in crate::cli) struct RenderRequest {
     pub(in crate::cli) scene: PathBuf,
     pub(in crate::cli) overrides: Vec<Override>,
+    /// How a particle file is framed and lit.
+    pub(in crate::cli) studio: StudioOptions,
+    /// The text of a scene that no file holds, of a particle file.
+    pub(in crate::cli) scene_text: Option<SceneSource>,
     pub(in crate::cli) memory_limit: Option<u64>,
     /// What to render, and how.
     pub(in crate::cli) job: Job,
@@ -52,11 +57,14 @@ impl RenderRequest {
             preview: args.watch.preview.clone().map(FilePath),
             preview_every: args.watch.preview_every,
             tev: args.watch.tev.clone(),
+            overlay: args.overlay.choice(),
             ..args.output.output_spec()
         };
         Self {
             scene: args.scene.path.clone(),
             overrides: args.overrides(),
+            studio: args.studio.options(),
+            scene_text: None,
             has_settings_of_file: true,
             memory_limit: args.memory.limit,
             job,
@@ -83,6 +91,8 @@ impl RenderRequest {
         Self {
             scene,
             overrides: overrides.collect(),
+            studio: StudioOptions::default(),
+            scene_text: scene_text(header),
             memory_limit: None,
             // Keep the intersector: on another machine the automatic choice may differ.
             job: Job {
@@ -124,4 +134,11 @@ impl RenderRequest {
         Err(Error::input("`-o -` and `--json` both write to the standard output")
             .with_help("write the picture into a file"))
     }
+}
+
+/// The scene of a checkpoint of a particle file: its text is in the checkpoint.
+pub(in crate::cli) fn scene_text(header: &CheckpointHeader) -> Option<SceneSource> {
+    let source = header.source.as_ref().filter(|source| source.file.is_none())?;
+    let text = header.metadata.run.as_ref()?.scene_text.clone()?;
+    Some(SceneSource { text: Some(text), ..source.clone() })
 }

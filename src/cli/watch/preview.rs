@@ -39,6 +39,7 @@ impl Preview {
     /// once until a write succeeds again.
     pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
         let notes = WriteOptions {
+            overlay: None,
             crop_window: cropped_from,
             view_transform: self.look,
             fast: true,

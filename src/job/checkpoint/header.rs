@@ -10,6 +10,7 @@ use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{BLOCK_SIZE, FilmFormat, Layer};
 use crate::math::Rect;
+use crate::overlay::OverlayChoice;
 use crate::scene::SceneSource;
 
 use super::super::metadata::Metadata;
@@ -90,6 +91,9 @@ pub struct OutputSpec {
     /// Resolution of display formats, in pixels per inch.
     #[serde(default)]
     pub dpi: Option<u32>,
+    /// What is drawn over the pictures.
+    #[serde(default)]
+    pub overlay: OverlayChoice,
     /// True if picture files include the record of the run.
     pub with_run_record: bool,
     /// Time between checkpoint writes.
@@ -109,6 +113,7 @@ impl Default for OutputSpec {
             files: Vec::new(),
             look: ViewTransform::default(),
             dpi: None,
+            overlay: OverlayChoice::default(),
             with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,

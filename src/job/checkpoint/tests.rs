@@ -12,6 +12,7 @@ use crate::color::{PathRadiance, Rgb, ViewTransform, VisibleSurface};
 use crate::film::{FilmFormat, FilmFrame, Layer, RadianceScale, SampleRun};
 use crate::job::{Job, Metadata, TileSampleCounts};
 use crate::math::Rect;
+use crate::overlay::OverlayChoice;
 use crate::scene::description::{MaterialDescription, SphereDescription};
 use crate::scene::{PreparedScene, Scene, SceneDescription, SceneSource};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -61,6 +62,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     let prepared = PreparedScene::new(&scene, job.settings).unwrap();
     let path = || FilePath(PathBuf::from("/pictures/a.exr"));
     let output = OutputSpec {
+        overlay: OverlayChoice::default(),
         files: vec![path()],
         look: ViewTransform::default(),
         dpi: Some(300),

@@ -10,7 +10,7 @@ use crate::scene::description::{ColorStorage, MaterialDescription, SphereDescrip
 fn imported(mut description: SceneDescription) -> (SphereRows, Vec<RowGroup>) {
     let mut problems = ValidationErrors::default();
     let survey = ImportPlan::scan(&mut description, &mut problems);
-    let read = load_tables(&mut description, &survey, &mut problems).expect("few spheres");
+    let read = load_tables(&mut description, survey, &mut problems).expect("few spheres");
     assert!(problems.0.is_empty(), "{problems:?}");
     read
 }

@@ -8,6 +8,7 @@ mod entries;
 mod key;
 mod limits;
 pub(super) mod material;
+pub(super) mod particles;
 pub(super) mod render;
 mod schema;
 mod sections;

@@ -48,7 +48,7 @@ impl SchemaNode {
         add(section.keys, &mut shared, &mut required);
         for (name, table) in &self.tables {
             let schema = table.schema();
-            let is_list = matches!(*name, "spheres" | "sphere_tables");
+            let is_list = matches!(*name, "spheres" | "sphere_tables" | "particles");
             let schema = match is_list {
                 true => json!({ "type": "array", "items": schema }),
                 false => schema,

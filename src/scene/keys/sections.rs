@@ -4,7 +4,7 @@ use crate::scene::description::ProjectionKind;
 
 use super::entries::{camera, image, root, sphere, table};
 use super::key::{TableSchema, untyped_table};
-use super::{background, material, render};
+use super::{background, material, particles, render};
 
 /// Every table of a scene file.
 pub(super) fn tables() -> impl Iterator<Item = &'static TableSchema> {
@@ -35,6 +35,7 @@ const AFTER_BACKGROUND: &[TableSchema] = &[
     },
     untyped_table("spheres", "a sphere", sphere::ALL),
     untyped_table("sphere_tables", "many spheres from a file", table::ALL),
+    untyped_table("particles", "many spheres from a file of another program", particles::ALL),
     untyped_table("render", "how light is computed", render::ALL),
     untyped_table(
         "render.ambient_occlusion",

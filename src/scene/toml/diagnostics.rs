@@ -117,11 +117,24 @@ impl Diagnostics {
         problems: ValidationErrors,
         span_of: impl Fn(&KeyPath) -> Span,
     ) {
-        for ValidationError { path: at, related: involves, message, help } in problems.0 {
+        for ValidationError { path: at, related: involves, message, help, within } in problems.0 {
             if ![&at].into_iter().chain(&involves).any(|path| self.is_invalid(path)) {
-                self.add(SpannedError::value(span_of(&at), message).help(help));
+                let span = self.narrowed(span_of(&at), within);
+                self.add(SpannedError::value(span, message).help(help));
             }
         }
+    }
+
+    /// The part of a text value, which may stand in quotation marks.
+    fn narrowed(&self, span: Span, part: Option<Span>) -> Span {
+        let Some(part) = part else { return span };
+        let holds = |mapped: &&MappedSource| mapped.start <= span.start;
+        let Some(mapped) = self.sources.iter().rev().find(holds) else { return span };
+        let value = &mapped.source.text[span.start - mapped.start..];
+        let quotes = usize::from(value.starts_with(['"', '\'']));
+        let start = span.start + quotes + part.start;
+        let end = (span.start + quotes + part.end).min(span.end);
+        if start <= end { start..end } else { span }
     }
 
     /// Returns true if a key or an enclosing table is marked as invalid.

@@ -8,8 +8,8 @@ use std::cell::{Cell, RefCell};
 
 use toml::de::{DeArray, DeTable, DeValue};
 
+use crate::names::did_you_mean;
 use crate::scene::keys::{DefaultValue, Key, KeyVisitor};
-use crate::scene::suggest::did_you_mean;
 use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
 use crate::scene::value_types::{
     InvalidValue, ParseValue, Span, SpannedValue, ValueType, type_name,

@@ -8,7 +8,8 @@ use toml::de::DeTable;
 
 use crate::error::{Error, Result};
 use crate::scene::description::SceneDescription;
-use crate::scene::import::{ImportPlan, check_count};
+use crate::scene::import::{ImportPlan, TablePlan, check_count};
+use crate::scene::loaded_particles::LoadedParticles;
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::validation_errors::{self, ValidationErrors};
@@ -53,7 +54,7 @@ pub fn read_file(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
     let text = read_to_string(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.display().to_string();
-    let mut file = read_from(&name, &text, SceneFolder::of(path, folder), overrides)?;
+    let mut file = read_from(&name, &text, SceneFolder::of(path, folder), overrides, Vec::new())?;
     file.source.file = Some(path.to_path_buf());
     Ok(file)
 }
@@ -83,7 +84,24 @@ pub fn read_text(
     folder: &Path,
     overrides: &[Override],
 ) -> Result<SceneFile> {
-    read_from(name, text, SceneFolder { named: folder, linked: None }, overrides)
+    let folder = SceneFolder { named: folder, linked: None };
+    read_from(name, text, folder, overrides, Vec::new())
+}
+
+/// Reads a scene from `text` like [`read_text`], but takes the particles from an earlier scene
+/// whose tables are the same.
+///
+/// # Errors
+/// As for [`read_file`].
+pub fn read_text_reusing(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    overrides: &[Override],
+    earlier: SceneFile,
+) -> Result<SceneFile> {
+    let folder = SceneFolder { named: folder, linked: None };
+    read_from(name, text, folder, overrides, earlier.import_plan.tables)
 }
 
 /// Where relative paths of a scene start.
@@ -118,6 +136,7 @@ fn read_from(
     text: &str,
     folder: SceneFolder<'_>,
     overrides: &[Override],
+    earlier: Vec<TablePlan>,
 ) -> Result<SceneFile> {
     let mut report = Diagnostics::new(name, text);
     let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
@@ -135,7 +154,7 @@ fn read_from(
         places.add_errors(problems, &table);
         // Examine the files even if there are other errors, except files that are not named.
         let mut problems = ValidationErrors::default();
-        let survey = ImportPlan::scan(&mut description, &mut problems);
+        let survey = ImportPlan::scan_with(&mut description, earlier, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
         (description, settings, survey)
@@ -161,6 +180,12 @@ impl SceneFile {
     /// The size of the scene. The tables are not read for it.
     pub fn size(&self) -> SceneSize {
         SceneSize::new(&self.description, &self.import_plan)
+    }
+
+    /// The particles of `[[particles]]`, which are read with the file.
+    pub fn particles(&self) -> impl Iterator<Item = LoadedParticles<'_>> {
+        let planned = self.import_plan.tables.iter().filter_map(|plan| plan.particles.as_ref());
+        planned.map(|planned| LoadedParticles::new(&planned.arrays, &planned.look))
     }
 
     /// Reads the tables and builds the scene.

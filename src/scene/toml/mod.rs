@@ -8,5 +8,5 @@ mod nesting;
 mod overrides;
 mod read;
 
-pub use load::{SceneFile, read_file, read_stream, read_text};
+pub use load::{SceneFile, read_file, read_stream, read_text, read_text_reusing};
 pub use overrides::Override;

@@ -5,7 +5,7 @@
 
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::scene::suggest::did_you_mean;
+use crate::names::did_you_mean;
 use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};

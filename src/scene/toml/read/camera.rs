@@ -1,11 +1,11 @@
 //! `[camera]`.
 
 use crate::math::DVec3;
+use crate::names::did_you_mean;
 use crate::scene::description::{
     CameraDescription, LensDescription, ProjectionDescription, ProjectionKind, SphereDescription,
 };
 use crate::scene::keys::camera as keys;
-use crate::scene::suggest::did_you_mean;
 use crate::scene::toml::document::Table;
 use crate::scene::value_types::{InvalidValue, NonEmptyString, ParseValue, SpannedValue};
 

@@ -5,6 +5,7 @@
 mod background;
 mod camera;
 mod materials;
+mod particles;
 mod render;
 
 use std::collections::BTreeMap;
@@ -45,7 +46,10 @@ pub(super) fn read(
         let index_of: BTreeMap<_, _> = names.zip(0..).collect();
         let spheres = root.sections("spheres", |table| read_sphere(table, &index_of));
         let camera = root.section("camera", |table| camera::read(table, &spheres));
-        let tables = root.sections("sphere_tables", |table| read_table(table, &index_of, folder));
+        let mut tables =
+            root.sections("sphere_tables", |table| read_table(table, &index_of, folder));
+        tables
+            .extend(root.sections("particles", |table| particles::read(table, &index_of, folder)));
         require_spheres(root);
         let render =
             root.optional_section("render", |table| render::read(table, integrator_of_file));
@@ -155,7 +159,7 @@ fn read_columns(table: &Table<'_>, has_file: bool) -> Vec<FileColumn> {
 }
 
 fn require_spheres(root: &Table<'_>) {
-    if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
+    if ["spheres", "sphere_tables", "particles"].iter().all(|list| root.is_empty_list(list)) {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
         root.diagnostics()
             .add(SpannedError::absence(root.span(), "the scene has no spheres").help(help));

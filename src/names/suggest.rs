@@ -4,10 +4,7 @@
 const MAX_WORD_BYTES: usize = 100;
 
 /// "did you mean `x`?" if a known word is near.
-pub(super) fn did_you_mean<'k>(
-    word: &str,
-    known: impl IntoIterator<Item = &'k str>,
-) -> Option<String> {
+pub fn did_you_mean<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {
     if word.len() > MAX_WORD_BYTES {
         return None;
     }

@@ -1,0 +1,52 @@
+//! The elements of particles.
+
+use crate::particles::{Column, ColumnData, Particles, Role};
+
+use super::element::Element;
+
+/// The element of each particle, as an index into the distinct kinds.
+pub(super) struct ParticleElements<'a> {
+    /// The kinds; `None` where a label names no element.
+    pub(super) kinds: Vec<Option<&'static Element>>,
+    codes: Codes<'a>,
+}
+
+enum Codes<'a> {
+    Words(&'a [u32]),
+    Numbers(&'a Column),
+}
+
+impl ParticleElements<'_> {
+    /// Index of a particle's kind.
+    #[inline]
+    pub(super) fn kind(&self, row: usize) -> usize {
+        match &self.codes {
+            Codes::Words(codes) => codes[row] as usize,
+            Codes::Numbers(column) => number_kind(column.number(row)),
+        }
+    }
+}
+
+/// Atomic numbers are their own kinds; anything else is kind 0.
+fn number_kind(number: f64) -> usize {
+    if (1.0..=118.0).contains(&number) { number as usize } else { 0 }
+}
+
+/// The elements of particles, from labels, atomic numbers, or types that are labels. `None` if
+/// fewer than half of the labels name elements.
+pub(super) fn particle_elements(particles: &Particles) -> Option<ParticleElements<'_>> {
+    let labels = |role| {
+        let column = particles.role(role)?;
+        let ColumnData::Text(words) = &column.data else { return None };
+        let kinds: Vec<_> = words.names.iter().map(|name| Element::of_label(name)).collect();
+        let known = kinds.iter().flatten().count();
+        (known > 0 && 2 * known >= kinds.len())
+            .then_some(ParticleElements { kinds, codes: Codes::Words(&words.codes) })
+    };
+    let numbers = || {
+        let column = particles.role(Role::AtomicNumber)?;
+        let kinds = (0..=118).map(Element::with_number).collect();
+        Some(ParticleElements { kinds, codes: Codes::Numbers(column) })
+    };
+    labels(Role::Element).or_else(numbers).or_else(|| labels(Role::Type))
+}

@@ -1,0 +1,118 @@
+//! The options for particle files: view, light and surroundings. The look of the particles is
+//! chosen by the keys of `[[particles]]`, which have options of their own.
+
+use clap::Args;
+
+use crate::appearance::{ViewDirection, parse_up};
+use crate::material::Metal;
+use crate::math::DVec3;
+use crate::studio::{Background, MATERIALS, StudioOptions, Style};
+
+use super::values::{explained, one_of, positive};
+
+/// How a particle file is framed and lit.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Particle files")]
+pub struct StudioArgs {
+    /// Where the camera stands: iso, an axis such as x or -y, or AZIMUTH,ELEVATION in degrees
+    /// [default: -55,25]
+    #[arg(long, value_name = "VIEW", value_parser = view, allow_hyphen_values = true)]
+    view: Option<ViewDirection>,
+
+    /// The axis that points up, such as z or -y [default: z]
+    #[arg(long, value_name = "AXIS", value_parser = up, allow_hyphen_values = true)]
+    up: Option<DVec3>,
+
+    /// Enlarge the picture about its centre
+    #[arg(long, value_name = "X", value_parser = positive)]
+    zoom: Option<f64>,
+
+    /// Project with parallel rays
+    #[arg(long)]
+    ortho: bool,
+
+    /// Light, material and surroundings [default: studio]
+    #[arg(long, value_name = "NAME", value_parser = one_of(explained(meaning)))]
+    style: Option<Style>,
+
+    /// The material: matte, lambert, satin, plastic, glossy, metal, glass, mirror, or a metal such
+    /// as gold [default: that of the style]
+    #[arg(long, value_name = "NAME", value_parser = material)]
+    material: Option<String>,
+
+    /// Let the particles lie on a ground: true or false [default: that of the style]
+    #[arg(long, value_name = "BOOL")]
+    ground: Option<bool>,
+
+    /// What is behind the particles: none (transparent), or a colour such as white or #102030
+    #[arg(long, value_name = "COLOR", value_parser = background)]
+    background: Option<Background>,
+}
+
+impl StudioArgs {
+    /// Returns the options as values.
+    pub fn options(&self) -> StudioOptions {
+        let usual = StudioOptions::default();
+        StudioOptions {
+            view: self.view,
+            up: self.up.unwrap_or(usual.up),
+            zoom: self.zoom.unwrap_or(usual.zoom),
+            orthographic: self.ortho,
+            style: self.style.unwrap_or_default(),
+            material: self.material.clone(),
+            ground: self.ground,
+            background: self.background,
+            ..usual
+        }
+    }
+
+    /// Returns the first option that is given.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--view", self.view.is_some()),
+            ("--up", self.up.is_some()),
+            ("--zoom", self.zoom.is_some()),
+            ("--ortho", self.ortho),
+            ("--style", self.style.is_some()),
+            ("--material", self.material.is_some()),
+            ("--ground", self.ground.is_some()),
+            ("--background", self.background.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+    }
+}
+
+fn meaning(style: Style) -> &'static str {
+    match style {
+        Style::Studio => "satin balls in a white studio",
+        Style::Clay => "matte, in softer light",
+        Style::Glossy => "polished, with a smaller light",
+        Style::Paper => "matte on a white floor, as in papers on point clouds",
+        Style::Flat => "colours as in the colour bar, for reading numbers",
+        Style::Dark => "on a dark ground",
+        Style::Glow => "particles that shine in the dark",
+    }
+}
+
+fn view(text: &str) -> Result<ViewDirection, String> {
+    let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20";
+    ViewDirection::parse(text).ok_or_else(|| expected.to_owned())
+}
+
+fn up(text: &str) -> Result<DVec3, String> {
+    parse_up(text).ok_or_else(|| "expected an axis, such as z or -y".to_owned())
+}
+
+fn background(text: &str) -> Result<Background, String> {
+    let expected = "expected none, the name of a colour, or #rrggbb";
+    Background::parse(text).ok_or_else(|| expected.to_owned())
+}
+
+fn material(text: &str) -> Result<String, String> {
+    let metals = Metal::NAMED.iter().map(|(name, _)| *name);
+    let mut known = MATERIALS.iter().map(|(name, _)| *name).chain(metals);
+    match known.any(|name| name == text) {
+        true => Ok(text.to_owned()),
+        false => Err("expected a material such as satin or metal, or a metal such as gold".into()),
+    }
+}

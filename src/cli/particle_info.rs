@@ -1,0 +1,89 @@
+//! `photosphere info` of a particle file.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::accel::BackendChoice;
+use crate::error::Result;
+use crate::film::Aov;
+use crate::job::{Job, MemoryPlan};
+use crate::particles::{Cell, ColumnInfo, ColumnKind, ReadRequest, Survey, survey};
+use crate::scene::SceneSize;
+use crate::scene::description::ColorStorage;
+
+use super::print;
+
+/// Prints what is in a particle file, without reading what its format lets us skip.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(super) fn run(path: &Path, request: &ReadRequest, as_json: bool) -> Result<()> {
+    let survey = survey(path, request)?;
+    let memory = survey.count.map(|count| planned_memory(count, survey.position_bytes));
+    if as_json {
+        let mut value = serde_json::to_value(&survey).unwrap_or(Value::Null);
+        value["format"] = json!(survey.format.name());
+        value["memory_bytes"] = json!(memory);
+        return print::json(&value);
+    }
+    print::result(&text(&survey, memory))
+}
+
+/// Memory at the peak of a render of so many particles.
+fn planned_memory(count: u64, position_bytes: u64) -> u64 {
+    let size = SceneSize {
+        spheres: count,
+        f64_spheres: if position_bytes > 12 { count } else { 0 },
+        colors: count,
+        color_bytes: count * ColorStorage::Packed.bytes_per_color() as u64,
+        ..SceneSize::default()
+    };
+    let threads = rayon::current_num_threads();
+    let job = Job { layers: Aov::DEFAULT.to_vec(), threads, ..Job::default() };
+    let backend = BackendChoice::Auto.select_for_count(count as usize).backend;
+    MemoryPlan::with_backends(&size, &job, &[backend]).peak()
+}
+
+fn text(survey: &Survey, memory: Option<u64>) -> String {
+    let unknown = || "unknown until it is read".to_owned();
+    let mut text = print::field("file", survey.path.display());
+    let compression = survey.compression.map_or(String::new(), |kind| format!(", {kind}"));
+    text += &print::field("format", format!("{}{compression}", survey.format.name()));
+    text += &print::field("frames", survey.frames.map_or_else(unknown, |n| n.to_string()));
+    text += &print::field("particles", survey.count.map_or_else(unknown, |n| n.to_string()));
+    let optional = [
+        ("title", survey.title.clone()),
+        ("time", survey.time.map(|time| time.to_string())),
+        ("unit", survey.unit.map(|unit| unit.symbol().to_owned())),
+        ("cell", survey.cell.as_ref().map(cell)),
+        ("memory", memory.map(|bytes| format!("{} at the peak of a render", print::bytes(bytes)))),
+    ];
+    for (name, value) in optional {
+        if let Some(value) = value {
+            text += &print::field(name, value);
+        }
+    }
+    for (index, info) in survey.columns.iter().enumerate() {
+        text += &print::field(if index == 0 { "columns" } else { "" }, column(info));
+    }
+    text
+}
+
+fn column(ColumnInfo { name, kind, range }: &ColumnInfo) -> String {
+    let kind = match kind {
+        ColumnKind::Integer => "integers",
+        ColumnKind::Float => "numbers",
+        ColumnKind::Text => "words",
+    };
+    match range {
+        Some([low, high]) => format!("{name:<16}{kind} from {low} to {high}"),
+        None => format!("{name:<16}{kind}"),
+    }
+}
+
+fn cell(Cell { origin, vectors, periodic }: &Cell) -> String {
+    let [a, b, c] = vectors.map(|v| format!("({} {} {})", v.x, v.y, v.z));
+    let [x, y, z] = periodic.map(|is| if is { "p" } else { "-" });
+    format!("{a} {b} {c} at ({} {} {}), periodic {x}{y}{z}", origin.x, origin.y, origin.z)
+}

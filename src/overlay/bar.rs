@@ -1,0 +1,60 @@
+//! The colour bar.
+
+use crate::appearance::{ColorMap, Ticks, ValueRange};
+
+use super::canvas::{Area, Canvas, Ink};
+use super::text::{Align, TextFont};
+
+/// A colour bar: its title, map and range.
+pub(super) struct Bar<'a> {
+    pub(super) title: &'a str,
+    pub(super) map: ColorMap,
+    pub(super) range: ValueRange,
+}
+
+impl Bar<'_> {
+    /// Draws the bar, whose ticks are to its right, into an area. The title stands above it.
+    pub(super) fn draw(&self, canvas: &mut Canvas, area: Area, font: &TextFont, ink: Ink) {
+        let height = area.bottom - area.top;
+        // The lower end of the range is below, also if it is the larger number.
+        let color = |y: i64| {
+            let position = 1.0 - (y as f64 + 0.5 - area.top) / height;
+            self.map.srgb(position)
+        };
+        canvas.fill_rows(area, color);
+        let line = (0.06 * font.em()).max(1.0).round();
+        canvas.frame(area, line, ink);
+        let ValueRange { low, high, log } = self.range;
+        let intervals = ((height / (2.2 * font.em())) as usize).clamp(1, 9);
+        let ticks = match log {
+            true => Ticks::logarithmic(low, high, intervals),
+            false => Ticks::linear(low, high, intervals),
+        };
+        for (value, label) in ticks.values.iter().zip(ticks.labels()) {
+            let y = area.bottom - self.range.position(*value) * height;
+            let y = y.clamp(area.top + 0.5 * line, area.bottom - 0.5 * line).round();
+            let right = area.right + 0.3 * font.em();
+            let tick =
+                Area { left: area.right, right, top: y - 0.5 * line, bottom: y + 0.5 * line };
+            canvas.fill(tick, ink);
+            let baseline = y + 0.5 * font.cap_height();
+            let x = right + 0.25 * font.em();
+            font.draw(canvas, &label, [x, baseline], Align::Left, ink);
+        }
+        let baseline = area.top - 0.85 * font.em();
+        font.draw(canvas, self.title, [area.left, baseline], Align::Left, ink);
+    }
+
+    /// Width that bar, ticks, labels and title take beside each other.
+    pub(super) fn width(&self, bar: f64, height: f64, font: &TextFont) -> f64 {
+        let ValueRange { low, high, log } = self.range;
+        let intervals = ((height / (2.2 * font.em())) as usize).clamp(1, 9);
+        let ticks = match log {
+            true => Ticks::logarithmic(low, high, intervals),
+            false => Ticks::linear(low, high, intervals),
+        };
+        let labels = ticks.labels();
+        let widest = labels.iter().map(|label| font.width(label)).fold(0.0, f64::max);
+        (bar + 0.55 * font.em() + widest).max(font.width(self.title))
+    }
+}

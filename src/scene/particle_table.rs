@@ -1,0 +1,96 @@
+//! Makes spheres of the particles in a file.
+
+use rayon::prelude::*;
+
+use crate::appearance::{AppearanceError, Colors, Dressed, Radii, dress, needed_columns};
+use crate::error::{Error, Result};
+use crate::particles::{Positions, Wanted, read, survey};
+
+use super::data::{SphereArrays, StridedArray};
+use super::particle_file::ParticleTable;
+
+/// Why particles cannot become spheres.
+pub(super) enum ParticleError {
+    /// The file cannot be read.
+    File(Error),
+    /// An option is wrong.
+    Option(AppearanceError),
+}
+
+impl ParticleTable {
+    /// Reads the particles and gives them radii and colours.
+    pub(super) fn dress(&self) -> std::result::Result<Dressed, ParticleError> {
+        let particles = self.wanted().and_then(|wanted| read(&self.path, &self.request(wanted)));
+        let particles = particles.map_err(ParticleError::File)?;
+        if particles.is_empty() {
+            let message = format!("`{}` has no particles", self.path.display());
+            return Err(ParticleError::File(Error::input(message)));
+        }
+        dress(particles, &self.appearance).map_err(ParticleError::Option)
+    }
+
+    /// The row of the file, from 0, that a row of the table shows; `None` for an edge of the cell.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn row_in_file(&self, row: u32) -> Result<Option<u32>> {
+        let dressed = self.dress().map_err(|error| match error {
+            ParticleError::File(error) => error,
+            ParticleError::Option(error) => Error::input(error.message),
+        })?;
+        let particles = dressed.particle_count();
+        if row as usize >= particles {
+            return Ok(None);
+        }
+        let original = row as usize % (particles / dressed.copies);
+        Ok(Some(dressed.rows.map_or(original as u32, |rows| rows[original])))
+    }
+
+    /// The columns to read. Standard input can be read only once, so all of its columns are.
+    fn wanted(&self) -> Result<Wanted> {
+        if self.path.as_os_str() == "-" {
+            return Ok(Wanted::All);
+        }
+        let survey = survey(&self.path, &self.request(Wanted::All))?;
+        let names: Vec<&str> = survey.columns.iter().map(|column| &*column.name).collect();
+        Ok(needed_columns(&self.appearance, &names).map_or(Wanted::All, Wanted::Only))
+    }
+}
+
+/// The arrays of visible particles. White ones emit `glow`, and reflect `shade`.
+pub(super) fn arrays(dressed: &mut Dressed, glow: f64, shade: f64) -> SphereArrays {
+    let len = dressed.len();
+    let center = match std::mem::replace(&mut dressed.positions, Positions::F32(Vec::new())) {
+        Positions::F32(centers) => StridedArray::columns_from(centers),
+        Positions::F64(centers) => StridedArray::columns_from(centers),
+    };
+    let radius = match std::mem::replace(&mut dressed.radii, Radii::Constant(0.0)) {
+        Radii::Constant(radius) => StridedArray::constant(radius, len),
+        Radii::F32(radii) => StridedArray::from_vec(radii),
+        Radii::F64(radii) => StridedArray::from_vec(radii),
+    };
+    let mut colors = std::mem::replace(&mut dressed.colors, Colors::Each(Vec::new()));
+    let emission = (glow > 0.0).then(|| in_columns(scaled(&colors, glow), len));
+    if shade < 1.0 {
+        colors = scaled(&colors, shade);
+    }
+    let color = in_columns(colors, len);
+    SphereArrays { center, radius, color: Some(color), emission, ids: None }
+}
+
+fn scaled(colors: &Colors, factor: f64) -> Colors {
+    match colors {
+        Colors::Constant(color) => Colors::Constant(*color * factor as f32),
+        Colors::Each(colors) => {
+            let scale = |color: &[f32; 3]| color.map(|c| c * factor as f32);
+            Colors::Each(colors.par_iter().map(scale).collect())
+        }
+    }
+}
+
+fn in_columns(colors: Colors, len: usize) -> [StridedArray; 3] {
+    match colors {
+        Colors::Constant(color) => color.to_array().map(|c| StridedArray::constant(c, len)),
+        Colors::Each(colors) => StridedArray::columns_from(colors),
+    }
+}

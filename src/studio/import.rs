@@ -1,0 +1,203 @@
+//! Makes a scene of a particle file.
+
+use std::path::Path;
+
+use crate::appearance::{Framing, Legend, ViewDirection, frame};
+use crate::color::Rgb;
+use crate::error::{Diagnostic, Error, Result};
+use crate::math::DVec3;
+use crate::scene::description::SceneDescription;
+use crate::scene::{Override, SceneFile, read_text, read_text_reusing};
+
+use super::compose::{Composition, toml_string};
+use super::options::{Background, StudioOptions};
+use super::style::StyleValues;
+
+/// From the front, right and above.
+const DEFAULT_VIEW: ViewDirection = ViewDirection::Angles { azimuth: -55.0, elevation: 25.0 };
+
+/// Pictures have this size unless an override says otherwise.
+const DEFAULT_SIZE: [u32; 2] = [960, 720];
+
+/// The key of the radius, and the beginning of that of its scale.
+const RADIUS_KEY: &str = "particles.0.radius";
+
+/// Beginnings of keys that decide what the scene is.
+const DRAFT: [&str; 2] = ["particles", "image."];
+
+/// Samples per pixel.
+const SAMPLES: u32 = 64;
+
+/// Radius of the ground in extents of the particles: flat to the eye.
+const GROUND_RADIUS: f64 = 1e4;
+
+/// Below this elevation of the camera, in degrees, a ground would hide the particles.
+const MIN_GROUND_ELEVATION: f64 = 3.0;
+
+/// A particle file as a scene.
+#[derive(Debug)]
+pub struct Import {
+    /// The text of the scene.
+    pub text: String,
+    /// The scene, whose particles have been read.
+    pub scene: SceneFile,
+    /// The choices that were made automatically: names and values of options.
+    pub choices: Vec<(&'static str, String)>,
+    /// What the user should know of the file.
+    pub notes: Vec<String>,
+}
+
+/// Reads a particle file and makes a scene of it. `overrides` set keys of the scene; those of
+/// `particles.0` choose the look of the particles. `folder` is where relative paths of the scene
+/// will start, and `path` is the file relative to it.
+///
+/// # Errors
+/// If the file or an override is wrong.
+pub fn import(
+    name: &str,
+    path: &Path,
+    folder: &Path,
+    options: &StudioOptions,
+    overrides: &[Override],
+) -> Result<Import> {
+    let file = toml_string(&path.to_string_lossy());
+    let values = options.style.values();
+    // Points of a surface are closer to some neighbours than balls that cover it.
+    let has_radius = overrides.iter().any(|given| given.key.starts_with(RADIUS_KEY));
+    let radius_scale = if has_radius { 1.0 } else { values.radius_scale };
+    let draft = draft(&file, &values, radius_scale);
+    // The other keys are those of the finished scene.
+    let is_of_draft = |given: &&Override| DRAFT.iter().any(|table| given.key.starts_with(table));
+    let of_draft: Vec<Override> = overrides.iter().filter(is_of_draft).cloned().collect();
+    let scene =
+        read_text(name, &draft, folder, &of_draft).map_err(|error| without_draft(error, name))?;
+    let size = size_of(&scene);
+    let particles = scene.particles().next().ok_or_else(|| Error::input("no particles"))?;
+    let framing = Framing {
+        view: options.view.unwrap_or(DEFAULT_VIEW),
+        up: options.up,
+        orthographic: options.orthographic,
+        zoom: options.zoom,
+        aspect: f64::from(size[0]) / f64::from(size[1]),
+        margins: margins(options.margins, &particles.look.legend),
+    };
+    let count = particles.len() + particles.look.hidden.len();
+    let sphere = particles.spheres();
+    let Some(camera) = frame(&framing, count, &sphere) else {
+        return Err(Error::input(format!("`{name}` has positions that are not finite"))
+            .with_help("leave them out with a condition"));
+    };
+    let towards = (camera.position - camera.look_at).normalize();
+    let elevation = towards.dot(options.up).asin().to_degrees();
+    let has_ground = options.ground.unwrap_or(values.ground && elevation > MIN_GROUND_ELEVATION);
+    let backdrop = match options.background {
+        Some(Background::Transparent) => None,
+        Some(Background::Color(color)) => Some(color),
+        None => Some(Rgb::splat(values.backdrop as f32)),
+    };
+    let ground = (has_ground && backdrop.is_some())
+        .then(|| ground(count, &sphere, options.up))
+        .filter(|(center, radius)| camera.position.distance(*center) > *radius);
+    let chosen = &particles.look.choices;
+    let material = options.material.as_deref().unwrap_or(values.material);
+    let composition = Composition {
+        size,
+        camera,
+        up: options.up,
+        key_direction: key_direction(towards, options.up, &values),
+        style: values,
+        backdrop,
+        ground,
+        material,
+        particles: particle_keys(&scene.description, &file, chosen),
+        samples: SAMPLES,
+    };
+    let text = composition.text();
+    let mut choices = Vec::new();
+    if options.view.is_none() {
+        choices.push(("view", "-55,25".to_owned()));
+    }
+    choices.extend(chosen.iter().cloned());
+    let notes = particles.look.notes.clone();
+    drop(sphere);
+    let scene = read_text_reusing(name, &text, folder, overrides, scene)?;
+    Ok(Import { text, scene, choices, notes })
+}
+
+/// Leaves room for a colour bar or a legend to the right.
+fn margins([left, right, top, bottom]: [f64; 4], legend: &Legend) -> [f64; 4] {
+    let right = match legend {
+        Legend::Range { .. } => right + 0.12,
+        Legend::Categories { entries, .. } if entries.len() > 1 => right + 0.07,
+        Legend::Categories { .. } | Legend::Nothing => right,
+    };
+    [left, right, top, bottom]
+}
+
+/// Errors in the draft have no place that a user knows; those in overrides keep theirs.
+fn without_draft(error: Error, name: &str) -> Error {
+    if error.diagnostics().is_empty() {
+        return error;
+    }
+    let located = |diagnostic: &Diagnostic| {
+        let mut diagnostic = diagnostic.clone();
+        diagnostic.location = diagnostic.location.filter(|place| place.source.name != name);
+        diagnostic
+    };
+    Error::from_diagnostics(error.diagnostics().iter().map(located).collect())
+}
+
+/// A scene with the particles alone, which lets overrides be read and checked.
+fn draft(file: &str, values: &StyleValues, radius_scale: f64) -> String {
+    let [width, height] = DEFAULT_SIZE;
+    let StyleValues { glow, shade, plain, .. } = values;
+    format!(
+        "format = 1\n\n[image]\nwidth = {width}\nheight = {height}\n\n[camera]\n\
+         position = [0, 0, 1]\nlook_at = [0, 0, 0]\n\n[materials.particles]\ntype = \"diffuse\"\n\
+         albedo = [0.5, 0.5, 0.5]\n\n[materials.ground]\ntype = \"diffuse\"\n\
+         albedo = [0.5, 0.5, 0.5]\n\n[[particles]]\nfile = {file}\nmaterial = \"particles\"\n\
+         glow = {glow:?}\nshade = {shade:?}\ncolor = \"auto:{plain}\"\n\
+         radius_scale = {radius_scale:?}\n"
+    )
+}
+
+fn size_of(scene: &SceneFile) -> [u32; 2] {
+    [scene.settings.image.width, scene.settings.image.height]
+}
+
+/// The ground that touches the lowest sphere, as a huge sphere.
+fn ground(count: usize, sphere: impl Fn(usize) -> (DVec3, f64), up: DVec3) -> (DVec3, f64) {
+    let mut lowest = f64::INFINITY;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (center, radius) in (0..count).map(sphere) {
+        lowest = lowest.min(center.dot(up) - radius);
+        low = low.min(center - radius);
+        high = high.max(center + radius);
+    }
+    let radius = GROUND_RADIUS * (high - low).max_element();
+    let middle = 0.5 * (low + high);
+    (middle + up * (lowest - middle.dot(up) - radius), radius)
+}
+
+/// Unit vector towards the key light, which turns with the camera.
+fn key_direction(towards: DVec3, up: DVec3, values: &StyleValues) -> DVec3 {
+    let level = towards - up * towards.dot(up);
+    let level = level.try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
+    let right = up.cross(level);
+    let (sin_a, cos_a) = libm::sincos(values.key_azimuth.to_radians());
+    let (sin_e, cos_e) = libm::sincos(values.key_elevation.to_radians());
+    (level * cos_a + right * sin_a) * cos_e + up * sin_e
+}
+
+/// The keys of the particles: those that are not the default, with automatic choices fixed.
+fn particle_keys(
+    description: &SceneDescription,
+    file: &str,
+    chosen: &[(&'static str, String)],
+) -> Vec<(String, String)> {
+    let mut keys = vec![("file".to_owned(), file.to_owned())];
+    let is_chosen = |key: &str| chosen.iter().any(|(name, _)| *name == key);
+    keys.extend(description.particle_keys(0).into_iter().filter(|(key, _)| !is_chosen(key)));
+    keys.extend(chosen.iter().map(|(key, value)| ((*key).to_owned(), toml_string(value))));
+    keys
+}

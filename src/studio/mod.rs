@@ -1,0 +1,13 @@
+//! From a particle file to a scene that can be rendered: frames the particles, lights them, and
+//! writes the scene as text in the scene format, with every automatic choice spelled out.
+
+mod compose;
+mod import;
+mod options;
+mod overlay_spec;
+mod style;
+
+pub use import::{Import, import};
+pub use options::{Background, StudioOptions};
+pub use overlay_spec::overlay_spec;
+pub use style::{MATERIALS, Style};

@@ -1,0 +1,212 @@
+//! Particle files from file to picture: what is chosen, what is said, and that pictures are true.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+
+use photosphere::color::{Rgb, ciede2000};
+use photosphere::image_io::read_raw_channels;
+
+use crate::desk::{Desk, SCENE};
+
+/// A LAMMPS dump of a cubic lattice: two types, and an energy that grows along x.
+fn dump() -> String {
+    let mut text = String::from(
+        "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n216\nITEM: BOX BOUNDS pp pp pp\n0 6\n0 6\n0 6\n\
+         ITEM: ATOMS id type x y z c_pe\n",
+    );
+    for row in 0..216 {
+        let [x, y, z] = [row % 6, row / 6 % 6, row / 36];
+        let energy = -3.0 + 0.125 * f64::from(x);
+        let _ = writeln!(text, "{} {} {x}.5 {y}.5 {z}.5 {energy}", row + 1, 1 + row % 2);
+    }
+    text
+}
+
+fn desk() -> Desk {
+    let desk = Desk::empty();
+    fs::write(desk.path().join("run.lammpstrj"), dump()).expect("the dump is written");
+    desk
+}
+
+const SMALL: &str = "--size 48x36 --spp 16 --accel native";
+
+/// The channels of a picture as numbers.
+fn channels(desk: &Desk, name: &str) -> BTreeMap<String, Vec<f32>> {
+    let raw = read_raw_channels(&desk.path().join(name)).expect("a picture");
+    let floats = |bits: Vec<u32>| bits.into_iter().map(f32::from_bits).collect();
+    raw.into_iter().map(|channel| (channel.name, floats(channel.bits))).collect()
+}
+
+#[test]
+fn one_command_makes_a_picture_and_tells_what_it_chose() {
+    let desk = desk();
+    let done = desk.run(&format!("render run.lammpstrj -o a.png {SMALL}")).succeeds();
+    let told = "chosen automatically: --view '-55,25' --radius 0.5 --color type\n";
+    assert!(done.stderr.contains(told), "{}", done.stderr);
+    // The options that are told make the same picture.
+    let fixed = "--view -55,25 --radius 0.5 --color type";
+    desk.run(&format!("render run.lammpstrj -o b.png {SMALL} {fixed} --quiet")).succeeds();
+    assert_eq!(channels(&desk, "a.png"), channels(&desk, "b.png"));
+    desk.run("reproduce a.png").succeeds();
+}
+
+#[test]
+fn an_imported_scene_renders_to_the_same_picture() {
+    let desk = desk();
+    let look = "--color c_pe --range p0,p100 --style dark --ortho --replicate 2,1,1 --cell";
+    desk.run(&format!("render run.lammpstrj -o a.exr {SMALL} {look}")).succeeds();
+    desk.run(&format!("import run.lammpstrj -o scene.toml --size 48x36 {look}")).succeeds();
+    desk.run(&format!("render scene.toml -o b.exr {SMALL}")).succeeds();
+    assert_eq!(channels(&desk, "a.exr"), channels(&desk, "b.exr"));
+    let scene = String::from_utf8(desk.read("scene.toml")).expect("text");
+    for line in ["file = \"run.lammpstrj\"", "color = \"c_pe\"", "range = \"-3,-2.375\""] {
+        assert!(scene.contains(line), "{scene}");
+    }
+}
+
+#[test]
+fn what_is_drawn_over_the_picture_does_not_change_it() {
+    let desk = desk();
+    let render = |name: &str, options: &str| {
+        let all = format!("render run.lammpstrj -o {name} {SMALL} --color c_pe {options}");
+        desk.run(&all).succeeds();
+        channels(&desk, name)
+    };
+    // The view leaves room for the colour bar in both.
+    let mut with = render("a.exr", "--axes --scale-bar --title energy");
+    let without = render("b.exr", "--no-legend");
+    let overlay: Vec<String> =
+        with.keys().filter(|name| name.starts_with("overlay.")).cloned().collect();
+    assert_eq!(overlay, ["overlay.A", "overlay.B", "overlay.G", "overlay.R"]);
+    assert!(with["overlay.A"].contains(&1.0) && with["overlay.A"].contains(&0.0));
+    overlay.iter().for_each(|name| _ = with.remove(name));
+    assert_eq!(with, without);
+    let shown = render("a.png", "--axes");
+    assert_ne!(shown, render("b.png", "--no-legend"));
+    for picture in ["a.exr", "a.png"] {
+        desk.run(&format!("reproduce {picture}")).succeeds();
+    }
+}
+
+/// Median colour difference between pixels and the colours of their particles.
+fn median_difference(style: &str, shade: f32) -> f64 {
+    let desk = desk();
+    let look = format!("--color c_pe --style {style} --layers albedo,alpha,sphere_id");
+    let size = "--size 160x120 --spp 64 --accel native --view -30,20";
+    desk.run(&format!("render run.lammpstrj -o a.exr {size} {look}")).succeeds();
+    let picture = channels(&desk, "a.exr");
+    let color = |layer: &str, pixel: usize| {
+        let name = |channel: &str| format!("{layer}{channel}");
+        Rgb::from_array(["R", "G", "B"].map(|channel| picture[&name(channel)][pixel]))
+    };
+    // The ground, if there is one, is the sphere in row 0.
+    let is_particle = |pixel: &usize| {
+        let id = picture["sphere_id"][*pixel].to_bits();
+        id != u32::MAX && picture["A"][*pixel] == 1.0 && !(style == "studio" && id == 0)
+    };
+    let pixels = (0..160 * 120).filter(is_particle);
+    // A picture for the screen clips at white.
+    let shown = |pixel| ciede2000(color("", pixel).min(Rgb::ONE), color("albedo.", pixel) / shade);
+    let mut differences: Vec<f64> = pixels.map(shown).collect();
+    differences.sort_by(f64::total_cmp);
+    assert!(differences.len() > 2000, "{}", differences.len());
+    differences[differences.len() / 2]
+}
+
+#[test]
+fn colours_are_those_of_the_colour_bar() {
+    let (flat, studio) = (median_difference("flat", 0.15), median_difference("studio", 0.95));
+    assert!(flat <= 3.0, "flat: {flat}");
+    assert!(studio <= 8.0, "studio: {studio}");
+}
+
+#[test]
+fn mistakes_are_shown_with_their_place() {
+    let desk = desk();
+    for (option, place, message) in [
+        ("--select typ==2", "1:10", "no column `typ`"),
+        ("--select type=2", "1:14", "`=` is no operator"),
+        ("--select type>9", "1:10", "no particle fulfils the condition"),
+        ("--slice type>0", "1:9", "all particles are hidden"),
+        ("--color c_pee", "1:9", "no column `c_pee`"),
+        ("--radius vdw", "1:10", "`run.lammpstrj` names no elements"),
+        ("--radius -1", "1:10", "must be above 0, not -1"),
+        ("--range 1", "1:9", "must be two numbers or percentiles"),
+        ("--unwrap", "1:1", "lacks the image flags ix, iy and iz"),
+        ("--replicate 2,2", "1:1", "must be three numbers, not 2"),
+    ] {
+        let done = desk.run(&format!("render run.lammpstrj -o a.png {option}"));
+        done.fails(3, &[message, &format!("[command line:{place}]")]);
+    }
+    fs::write(desk.path().join("scene.toml"), SCENE).expect("the scene is written");
+    desk.run("render scene.toml -o a.png --style clay")
+        .fails(3, &["`--style` is for particle files, but `scene.toml` is a scene"]);
+    assert_eq!(desk.names(), ["run.lammpstrj", "scene.toml"]);
+}
+
+#[test]
+fn a_pixel_tells_its_particle() {
+    let desk = desk();
+    let look = "--select type==2 --view z --radius 0.45 --no-legend";
+    let size = "--size 120x120 --spp 1 --accel native";
+    desk.run(&format!("render run.lammpstrj -o a.png {size} {look}")).succeeds();
+    let background = desk.run("pick a.png 0 0 --json").succeeds();
+    // Below the particles is the ground, which is no particle.
+    assert_eq!(background.json()["row"], serde_json::Value::Null);
+    let mut found = 0;
+    for x in (5..120).step_by(10) {
+        let picked = desk.run(&format!("pick a.png {x} 58 --json")).succeeds().json();
+        let Some(row) = picked["row"].as_u64() else { continue };
+        found += 1;
+        assert_eq!(picked["columns"]["id"], row + 1);
+        assert_eq!(picked["columns"]["type"], 2);
+        assert_eq!(picked["line"], row + 10);
+        assert_eq!(picked["center"][2], 5.5, "the uppermost layer: {picked}");
+    }
+    assert!(found > 3, "{found}");
+    fs::write(desk.path().join("run.lammpstrj"), dump().replace("0.5", "0.6")).expect("written");
+    desk.run("pick a.png 60 58").fails(3, &["`run.lammpstrj` is not what the picture was made of"]);
+}
+
+#[test]
+fn info_tells_what_is_in_a_file() {
+    let desk = desk();
+    let told = desk.run("info run.lammpstrj").succeeds();
+    assert_eq!(told.row("format"), "lammps-dump");
+    assert_eq!(told.row("particles"), "216");
+    assert!(told.row("cell").contains("(6 0 0)"), "{}", told.stdout);
+    let value = desk.run("info run.lammpstrj --json").succeeds().json();
+    assert_eq!(value["count"], 216);
+    assert!(value["memory_bytes"].as_u64().is_some_and(|bytes| bytes > 1 << 20), "{value}");
+}
+
+#[test]
+fn a_checkpoint_of_a_particle_file_is_resumed() {
+    let desk = desk();
+    let options = "--size 48x36 --accel native --color c_pe --no-run-figures";
+    desk.run(&format!("render run.lammpstrj -o whole.png {options} --spp 32")).succeeds();
+    desk.run(&format!("render run.lammpstrj -o a.png {options} --spp 16 --checkpoint a.state"))
+        .succeeds();
+    desk.run("resume a.state --extend-to 32").succeeds();
+    assert_eq!(channels(&desk, "a.png"), channels(&desk, "whole.png"));
+}
+
+#[test]
+fn several_files_are_rendered_into_a_folder() {
+    let desk = desk();
+    fs::copy(desk.path().join("run.lammpstrj"), desk.path().join("b.dump")).expect("a copy");
+    fs::write(desk.path().join("bad.xyz"), "three\n").expect("written");
+    let tiny = "--size 16x12 --spp 1 --accel native --quiet";
+    let done = desk.run(&format!("render run.lammpstrj bad.xyz b.dump -o out/ {tiny}"));
+    assert_eq!(done.code, Some(3), "{}", done.stderr);
+    assert!(done.stderr.contains("`bad.xyz` is not rendered"), "{}", done.stderr);
+    let mut names: Vec<String> = fs::read_dir(desk.path().join("out"))
+        .expect("the folder is made")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("a plain name"))
+        .collect();
+    names.sort();
+    assert_eq!(names, ["b.png", "run.png"]);
+    desk.run(&format!("render run.lammpstrj b.dump -o a.png {tiny}"))
+        .fails(3, &["several files are rendered into a folder"]);
+}
