@@ -4,10 +4,10 @@
 #
 #   scripts/tsan.sh [ARGUMENT ...]     arguments go to the test programs: names, --nocapture, ...
 #
-# The standard library must be instrumented, too, or each hand-over through a lock looks like a race.
-# It is therefore built from source, which works with a stable compiler (RUSTC_BOOTSTRAP) and needs
-# the component rust-src. Embree is left out: the sanitizer would not see its locks. Everything is
-# built anew, into target/tsan.
+# The standard library must be instrumented, too, or each hand-over through a lock looks like a
+# race. It is therefore built from source, which works with a stable compiler (RUSTC_BOOTSTRAP) and
+# needs the component rust-src. Embree is left out: the sanitizer would not see its locks.
+# Everything is built anew, into target/tsan.
 set -euo pipefail
 # shellcheck source=scripts/toolchain.sh
 . "$(dirname "${BASH_SOURCE[0]}")/toolchain.sh"
