@@ -47,7 +47,8 @@ max_length() {
     esac
 }
 
-# Runs the target $1. Bounds: time and memory of each input, its length, and rayon's threads.
+# Runs the target $1. Bounds: time and memory of each input, its length, and rayon's threads. Inputs
+# that take little time are mutated more often.
 fuzz() {
     local name=$1 corpora=("fuzz/corpus/$1" "fuzz/seeds/$1")
     mkdir -p "fuzz/corpus/$name" "fuzz/artifacts/$name"
@@ -56,7 +57,8 @@ fuzz() {
         ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0:allocator_may_return_null=1:quarantine_size_mb=32 \
         "$programs/$name" "${corpora[@]}" -max_total_time="$time" -print_final_stats=1 \
         -artifact_prefix="fuzz/artifacts/$name/" -max_len="$(max_length "$name")" \
-        -timeout=60 -rss_limit_mb=2048 -print_funcs=0 >"$logs/$name.log" 2>&1
+        -timeout=60 -rss_limit_mb=2048 -print_funcs=0 -entropic_scale_per_exec_time=1 \
+        >"$logs/$name.log" 2>&1
 }
 
 # One row for the log $2 of the target $1: executions, coverage, and when that last grew.

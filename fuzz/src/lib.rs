@@ -13,11 +13,21 @@ pub fn run(name: &str, input: &[u8]) {
     targets::run(name, input);
 }
 
+/// Makes the calling thread the only one that runs parallel loops. On a busy machine, handing each
+/// of them over to another thread takes longer than the loop.
+///
+/// # Panics
+/// If a loop has run before.
+pub fn run_loops_here() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("nothing has run before");
+}
+
 /// Makes the program of a target.
 #[macro_export]
 macro_rules! fuzz {
     ($name:literal) => {
-        $crate::libfuzzer_sys::fuzz_target!(|input: &[u8]| {
+        $crate::libfuzzer_sys::fuzz_target!(init: $crate::run_loops_here(), |input: &[u8]| {
             $crate::run($name, input);
         });
     };
