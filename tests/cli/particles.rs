@@ -148,7 +148,7 @@ fn mistakes_are_shown_with_their_place() {
 #[test]
 fn a_pixel_tells_its_particle() {
     let desk = desk();
-    let look = "--select type==2 --view z --radius 0.45 --no-legend";
+    let look = "--select type==2 --view z --ortho --radius 0.45 --no-legend";
     let size = "--size 120x120 --spp 1 --accel native";
     desk.run(&format!("render run.lammpstrj -o a.png {size} {look}")).succeeds();
     let background = desk.run("pick a.png 0 0 --json").succeeds();

@@ -16,7 +16,9 @@ use super::request::RenderRequest;
 /// # Errors
 /// If there are several files and no folder, or a checkpoint for several files.
 pub(super) fn folder(args: &RenderArgs) -> Result<Option<PathBuf>> {
-    let is_folder = |path: &PathBuf| path.to_string_lossy().ends_with('/') || path.is_dir();
+    let is_folder = |path: &PathBuf| {
+        path.to_string_lossy().ends_with('/') || (!args.more.is_empty() && path.is_dir())
+    };
     match &args.output.files[..] {
         [only] if is_folder(only) => {}
         _ if args.more.is_empty() => return Ok(None),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::accel::BackendChoice;
 use crate::cli::args::RenderArgs;
 use crate::cli::outputs::{is_part, is_stdout};
+use crate::cli::scene_file::STANDARD_INPUT;
 use crate::error::{Error, Result};
 use crate::image_io::FileFormat;
 use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec};
@@ -136,9 +137,12 @@ impl RenderRequest {
     }
 }
 
-/// The scene of a checkpoint of a particle file: its text is in the checkpoint.
+/// The scene of a checkpoint of a particle file: its text is in the checkpoint. One from the
+/// standard input has to be named, because the files that it names may be anywhere.
 pub(in crate::cli) fn scene_text(header: &CheckpointHeader) -> Option<SceneSource> {
-    let source = header.source.as_ref().filter(|source| source.file.is_none())?;
+    let is_composed =
+        |source: &&SceneSource| source.file.is_none() && source.name != STANDARD_INPUT;
+    let source = header.source.as_ref().filter(is_composed)?;
     let text = header.metadata.run.as_ref()?.scene_text.clone()?;
     Some(SceneSource { text: Some(text), ..source.clone() })
 }
