@@ -65,12 +65,17 @@ pub fn import(
     // Points of a surface are closer to some neighbours than balls that cover it.
     let has_radius = overrides.iter().any(|given| given.key.starts_with(RADIUS_KEY));
     let radius_scale = if has_radius { 1.0 } else { values.radius_scale };
-    let draft = draft(&file, &values, radius_scale);
     // The other keys are those of the finished scene.
     let is_of_draft = |given: &&Override| DRAFT.iter().any(|table| given.key.starts_with(table));
     let of_draft: Vec<Override> = overrides.iter().filter(is_of_draft).cloned().collect();
-    let scene =
-        read_text(name, &draft, folder, &of_draft).map_err(|error| without_draft(error, name))?;
+    let read = |scale: f64| {
+        let draft = draft(&file, &values, scale);
+        read_text(name, &draft, folder, &of_draft).map_err(|error| without_draft(error, name))
+    };
+    let mut scene = read(radius_scale)?;
+    if radius_scale != 1.0 && !has_radius_of_distances(&scene) {
+        scene = read(1.0)?;
+    }
     let size = size_of(&scene);
     let particles = scene.particles().next().ok_or_else(|| Error::input("no particles"))?;
     let framing = Framing {
@@ -122,6 +127,12 @@ pub fn import(
     drop(sphere);
     let scene = read_text_reusing(name, &text, folder, overrides, scene)?;
     Ok(Import { text, scene, choices, notes })
+}
+
+/// Returns true if the radius was chosen from distances, rather than found in the file.
+fn has_radius_of_distances(scene: &SceneFile) -> bool {
+    let mut choices = scene.particles().flat_map(|particles| &particles.look.choices);
+    choices.any(|(key, value)| *key == "radius" && value.parse::<f64>().is_ok())
 }
 
 /// Leaves room for a colour bar or a legend to the right.

@@ -155,8 +155,8 @@ fn a_pixel_tells_its_particle() {
     // Below the particles is the ground, which is no particle.
     assert_eq!(background.json()["row"], serde_json::Value::Null);
     let mut found = 0;
-    for x in (5..120).step_by(10) {
-        let picked = desk.run(&format!("pick a.png {x} 58 --json")).succeeds().json();
+    for y in (5..120).step_by(6) {
+        let picked = desk.run(&format!("pick a.png 60 {y} --json")).succeeds().json();
         let Some(row) = picked["row"].as_u64() else { continue };
         found += 1;
         assert_eq!(picked["columns"]["id"], row + 1);
