@@ -70,7 +70,7 @@ fn emitters_shine_through_a_veil() {
 }
 
 /// An emitter that is half there: both of its walls shine, the far one through the near one. Light
-/// is aimed at the near wall only, and must still not be lost or counted twice.
+/// samples take either of them, and no light is lost or counted twice.
 #[test]
 fn both_walls_of_a_veiled_emitter_shine() {
     let emitter = |opacity| {
