@@ -17,6 +17,7 @@ mod generate;
 mod import;
 mod info;
 mod interrupt;
+pub mod keywords;
 mod manual;
 mod memory;
 mod merge;
@@ -58,6 +59,13 @@ use exit::Exit;
 /// The command runs in its own thread. This function returns when the command ends or a signal ends
 /// it. The program then exits, whatever its other threads do.
 pub fn main() -> ExitCode {
+    main_with(std::env::args_os().collect())
+}
+
+/// Runs the command given by these words, the first of which is the name of the program, as
+/// [`main`] does: another front end that contains this program calls it instead.
+pub fn main_with(words: Vec<OsString>) -> ExitCode {
+    system::set_arguments(words);
     interrupt::survive_file_size_limits();
     let left = exit::last_word();
     let work = || {
@@ -90,7 +98,7 @@ fn exit_of(outcome: Result<Exit>, as_json: bool) -> Exit {
 
 /// Parses the program's arguments.
 fn read() -> std::result::Result<Cli, clap::Error> {
-    parse(&mut args::help::program(), std::env::args_os())
+    parse(&mut args::help::program(), system::arguments())
 }
 
 /// Parses a command line, which begins with the name of the program.

@@ -2,27 +2,24 @@
 
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
-use crate::image_io::{FileFormat, WriteOptions};
-use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
+use crate::image_io::FileFormat;
+use crate::job::{FilePath, Metadata, OutputSpec, PictureRecord, frame_crop};
 use crate::overlay::OverlaySpec;
 
-use super::picture_file::{PictureFile, PictureNotes};
+use super::picture_file::PictureFile;
 
 /// The output files of a picture.
 pub(super) struct Outputs {
     pictures: Vec<PictureFile>,
     /// The checkpoint file (`.part`), which holds the sample sums.
     part: Option<PathBuf>,
-    look: ViewTransform,
-    dpi: Option<u32>,
     layers: Vec<Aov>,
     overlay: Option<OverlaySpec>,
-    with_run: bool,
+    spec: OutputSpec,
 }
 
 impl Outputs {
@@ -66,9 +63,8 @@ impl Outputs {
         if !is_discarded {
             refuse_look_without_screen(delivery, &pictures)?;
         }
-        let OutputSpec { look, dpi, with_run_record: with_run, .. } = *delivery;
-        let layers = layers.to_vec();
-        Ok(Self { pictures, part, look, dpi, layers, overlay: None, with_run })
+        let (layers, spec) = (layers.to_vec(), delivery.clone());
+        Ok(Self { pictures, part, layers, overlay: None, spec })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -108,20 +104,9 @@ impl Outputs {
         frame: &FilmFrame,
         metadata: &Metadata,
         quickly: bool,
-    ) -> PictureNotes {
-        let mut metadata = metadata.clone();
-        metadata.run = metadata.run.filter(|_| self.with_run);
-        metadata.overlay.clone_from(&self.overlay);
-        let cropped_from = frame_crop(frame);
-        let notes = WriteOptions {
-            crop_window: cropped_from,
-            view_transform: self.look,
-            dpi: self.dpi,
-            metadata: Vec::new(),
-            overlay: self.overlay.as_ref().map(|overlay| Arc::new(overlay.draw())),
-            fast: quickly,
-        };
-        PictureNotes { notes, metadata, layers: self.layers.clone() }
+    ) -> PictureRecord {
+        let (overlay, crop) = (self.overlay.as_ref(), frame_crop(frame));
+        PictureRecord::new(metadata, &self.layers, crop, overlay, &self.spec).fast(quickly)
     }
 }
 

@@ -3,11 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::color::ViewTransform;
 use crate::error::{Error, Result};
-use crate::film::Aov;
-use crate::image_io::{FileFormat, ImageWriter, Picture, WriteOptions, write_to_stream};
-use crate::job::Metadata;
+use crate::image_io::{FileFormat, ImageWriter, Picture, write_to_stream};
+use crate::job::PictureRecord;
 
 /// One picture file, or the standard output.
 pub(super) struct PictureFile {
@@ -19,13 +17,6 @@ pub(super) struct PictureFile {
 enum PictureTarget {
     File(ImageWriter),
     Stdout(FileFormat),
-}
-
-/// What is written beside the pixels of a picture file.
-pub(super) struct PictureNotes {
-    pub(super) notes: WriteOptions,
-    pub(super) metadata: Metadata,
-    pub(super) layers: Vec<Aov>,
 }
 
 impl PictureFile {
@@ -67,16 +58,13 @@ impl PictureFile {
         &self,
         place: Option<&Path>,
         picture: &Picture,
-        of: &PictureNotes,
+        record: &PictureRecord,
     ) -> Result<()> {
-        let usual = of.notes.view_transform == ViewTransform::default();
-        let metadata = Metadata {
-            look: (self.is_display_referred() && !usual).then_some(of.notes.view_transform),
-            overlay: of.metadata.overlay.clone().filter(|_| self.shows_overlay()),
-            layers: self.has_layers().then(|| of.layers.clone()),
-            ..of.metadata.clone()
+        let format = match &self.target {
+            PictureTarget::File(file) => file.format(),
+            PictureTarget::Stdout(format) => *format,
         };
-        let notes = WriteOptions { metadata: metadata.to_records()?, ..of.notes.clone() };
+        let notes = record.options_for(format)?;
         match (place, &self.target) {
             (Some(place), _) => ImageWriter::new(place)?.write_with(picture, &notes),
             (None, PictureTarget::File(file)) => file.write_with(picture, &notes),
@@ -85,11 +73,6 @@ impl PictureFile {
                     .map_err(|e| Error::file("write", Path::new("standard output"), e))
             }
         }
-    }
-
-    /// Returns true if the format holds what is drawn over the picture.
-    fn shows_overlay(&self) -> bool {
-        self.is_display_referred() || self.has_layers()
     }
 
     /// Returns true if the picture could be written to another place instead.

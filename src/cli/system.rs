@@ -1,6 +1,9 @@
 //! Facts about this machine from the operating system (`None` where unknown), about this process,
 //! and thread pools.
 
+use std::ffi::OsString;
+use std::sync::OnceLock;
+
 use crate::error::{Error, Result};
 
 pub(super) use crate::task::{peak_memory, total_memory};
@@ -58,10 +61,23 @@ pub(super) fn load() -> String {
     format!("{cores} cores, load {}", load.split(' ').next().unwrap_or_default())
 }
 
+/// The program's arguments, if they are not those of the process.
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Sets the arguments of the program.
+pub(super) fn set_arguments(words: Vec<OsString>) {
+    ARGUMENTS.get_or_init(|| words);
+}
+
+/// Returns the arguments of the program, the first of which is its name.
+pub(super) fn arguments() -> impl Iterator<Item = OsString> {
+    ARGUMENTS.get_or_init(|| std::env::args_os().collect()).iter().cloned()
+}
+
 /// Returns the command line quoted for a shell, starting with the program's name.
 pub(super) fn command_line() -> String {
     let arguments: Vec<String> =
-        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        arguments().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
     // Only a zero byte cannot be quoted, and no argument contains one.
     shlex::try_join(words).unwrap_or_default()

@@ -10,12 +10,12 @@ use serde_json::json;
 use crate::draw::printable::printable;
 
 use super::exit::Exit;
-use super::{error, print};
+use super::{error, print, system};
 
 /// Prints the answer; clap chooses the stream and the colours. A wrong command line is also printed
 /// as JSON if it asks for that.
 pub(super) fn answer(mut answer: clap::Error) -> Exit {
-    let words: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let words: Vec<OsString> = system::arguments().skip(1).collect();
     let texts: Vec<String> = words.iter().map(|word| word.to_string_lossy().into()).collect();
     advise(&mut answer, &texts);
     let plain = || answer.render().to_string();

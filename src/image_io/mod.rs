@@ -31,7 +31,7 @@ pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
 pub use overlay_image::OverlayImage;
 pub use picture::{ChannelValues, ImageChannel, Picture};
-pub use png::rgba_png;
+pub use png::{display_pixels, rgba_png};
 pub use read::{
     BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, read_image, read_light, read_raw_channels,
 };

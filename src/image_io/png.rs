@@ -69,7 +69,7 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
         chunk.compressed = record.text.len() > COMPRESS_TEXT_ABOVE;
         writer.write_text_chunk(&chunk)?;
     }
-    writer.write_image_data(&encode_pixels(picture, notes))?;
+    writer.write_image_data(&display_pixels(picture, notes))?;
     writer.finish()?;
     Ok(())
 }
@@ -87,8 +87,9 @@ fn write_srgb_header<W: io::Write>(
     Ok(writer)
 }
 
-/// Encodes the pixels, row by row.
-fn encode_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
+/// The pixels of a PNG file in 8 bits, row by row: red, green and blue, and alpha if the picture has
+/// it.
+pub fn display_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
     let rows = (0..picture.height)
         .step_by(ROWS_PER_TASK)
         .map(|row| row..(row + ROWS_PER_TASK).min(picture.height));

@@ -32,6 +32,11 @@ impl ImageWriter {
         Ok(Self { file: AtomicFile::new(path)?, format })
     }
 
+    /// The format.
+    pub fn format(&self) -> FileFormat {
+        self.format
+    }
+
     /// Returns true if the format has layers.
     pub fn has_layers(&self) -> bool {
         self.format.has_layers()

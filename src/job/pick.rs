@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::math::{DVec3, Hit};
+use crate::scene::PreparedScene;
 use crate::scene::description::SphereTable;
-use crate::scene::{PreparedScene, Scene};
 
 use super::metadata::Metadata;
 use super::reproduce::{ReproduceOptions, rebuild_scene};
@@ -44,15 +44,12 @@ pub fn pick(recorded: &Metadata, folder: &Path, [x, y]: [u32; 2]) -> Result<Opti
     let scene = rebuild_scene(recorded, &options)?;
     let prepared = PreparedScene::new(&scene, recorded.settings)?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    Ok(first_sphere(&scene, &prepared, accel.as_ref(), [x, y]))
+    Ok(pick_in_scene(&prepared, accel.as_ref(), [x, y]))
 }
 
-fn first_sphere(
-    scene: &Scene,
-    prepared: &PreparedScene,
-    accel: &dyn Accel,
-    pixel: [u32; 2],
-) -> Option<Pick> {
+/// Finds the sphere in the middle of a pixel of the full picture; `None` if there is the background.
+pub fn pick_in_scene(prepared: &PreparedScene, accel: &dyn Accel, pixel: [u32; 2]) -> Option<Pick> {
+    let scene = prepared.scene();
     let [x, y] = pixel.map(|pixel| f64::from(pixel) + 0.5);
     let ray = prepared.camera().generate_ray(x, y, [0.5; 2]);
     let spheres = scene.spheres();

@@ -4,6 +4,7 @@
 //! allocated once, in its final size, from the actual lengths of files and arrays.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -12,6 +13,7 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereRows};
 use crate::math::{DVec3, NO_SPHERE};
+use crate::particles::Particles;
 
 use super::arrays;
 use super::colors::SphereColors;
@@ -87,6 +89,17 @@ pub(super) struct TablePlan {
     layout: Option<TableLayout>,
     /// The particles of a file, which are read at once.
     pub(super) particles: Option<PlannedParticles>,
+    /// What a program gives in place of the file.
+    pub(super) given: Option<GivenTable>,
+}
+
+/// What a program gives in place of a table's file.
+#[derive(Clone, Debug)]
+pub(super) enum GivenTable {
+    /// Particles, for `[[particles]]`.
+    Particles(Arc<Particles>),
+    /// Spheres, for `[[sphere_tables]]`.
+    Arrays(SphereArrays),
 }
 
 /// Particles that have been read.
@@ -126,7 +139,7 @@ impl ImportPlan {
         let tables = description.tables.iter_mut().zip(paths).zip(earlier);
         let tables = tables.map(|((table, at), earlier)| match earlier.particles {
             Some(_) => earlier,
-            None => TablePlan::scan(&at, table, problems),
+            None => TablePlan::scan(&at, table, earlier.given, problems),
         });
         Self { tables: tables.collect(), environment }
     }
@@ -152,8 +165,29 @@ impl ImportPlan {
 }
 
 impl TablePlan {
-    fn scan(at: &KeyPath, table: &mut SphereTable, problems: &mut ValidationErrors) -> Self {
+    /// A table that is not examined yet.
+    pub(super) fn of_given(given: GivenTable) -> Self {
+        Self { given: Some(given), ..Self::default() }
+    }
+
+    fn scan(
+        at: &KeyPath,
+        table: &mut SphereTable,
+        given: Option<GivenTable>,
+        problems: &mut ValidationErrors,
+    ) -> Self {
         let is_moved = table.offset != DVec3::ZERO;
+        let given = match (given, &table.data) {
+            (Some(GivenTable::Arrays(arrays)), SphereData::File { path, .. }) => {
+                // The name stays that of the file.
+                let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+                table.name = table.name.take().or(name);
+                table.data = SphereData::Memory(arrays);
+                None
+            }
+            (Some(GivenTable::Particles(particles)), _) => Some(particles),
+            (Some(GivenTable::Arrays(_)) | None, _) => None,
+        };
         let (path, columns, skip_rows, skip_bytes) = match &mut table.data {
             SphereData::Memory(arrays) => {
                 let is_f64 = is_moved || arrays.is_f64();
@@ -161,7 +195,11 @@ impl TablePlan {
             }
             SphereData::Particles(particles) => {
                 let appearance = &particles.appearance;
-                let mut look = match particles.dress() {
+                let dressed = match given.map(Arc::unwrap_or_clone) {
+                    Some(given) => particles.dress_particles(given),
+                    None => particles.dress(),
+                };
+                let mut look = match dressed {
                     Ok(dressed) => dressed,
                     Err(error) => {
                         add_particle_error(at, error, problems);
@@ -171,7 +209,7 @@ impl TablePlan {
                 let arrays = particle_table::arrays(&mut look, appearance.glow, appearance.shade);
                 let (rows, is_f64) = (arrays.len() as u64, arrays.is_f64());
                 let particles = Some(PlannedParticles { arrays, look });
-                return Self { rows, is_f64, layout: None, particles };
+                return Self { rows, is_f64, particles, ..Self::default() };
             }
             SphereData::File { path, columns, skip_rows, skip_bytes } => {
                 (path, columns, *skip_rows, *skip_bytes)
@@ -185,7 +223,7 @@ impl TablePlan {
                     *columns = unlisted;
                 }
                 let is_f64 = is_moved || layout.is_f64();
-                Self { rows: layout.rows, is_f64, layout: Some(layout), particles: None }
+                Self { rows: layout.rows, is_f64, layout: Some(layout), ..Self::default() }
             }
             Err(LayoutError { key, message, help }) => {
                 let problem = problems.add(at.key(key), message).with_help(help);

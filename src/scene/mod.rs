@@ -53,4 +53,7 @@ pub use source::{ContentHash, FileHash, SceneSource};
 pub use sphere_material::SphereMaterial;
 pub(crate) use sphere_material::Surface;
 
-pub use self::toml::{Override, SceneFile, read_file, read_stream, read_text, read_text_reusing};
+pub use self::toml::{
+    Override, SceneFile, TableInput, read_file, read_stream, read_text, read_text_reusing,
+    read_text_with,
+};

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::appearance::{AppearanceError, Colors, Dressed, Radii, dress, needed_columns};
 use crate::error::{Error, Result};
-use crate::particles::{Positions, Wanted, read, survey};
+use crate::particles::{Particles, Positions, Wanted, read, survey};
 
 use super::data::{SphereArrays, StridedArray};
 use super::particle_file::ParticleTable;
@@ -21,7 +21,14 @@ impl ParticleTable {
     /// Reads the particles and gives them radii and colours.
     pub(super) fn dress(&self) -> std::result::Result<Dressed, ParticleError> {
         let particles = self.wanted().and_then(|wanted| read(&self.path, &self.request(wanted)));
-        let particles = particles.map_err(ParticleError::File)?;
+        self.dress_particles(particles.map_err(ParticleError::File)?)
+    }
+
+    /// Gives particles, which stand for those of the file, radii and colours.
+    pub(super) fn dress_particles(
+        &self,
+        particles: Particles,
+    ) -> std::result::Result<Dressed, ParticleError> {
         if particles.is_empty() {
             let message = format!("`{}` has no particles", self.path.display());
             return Err(ParticleError::File(Error::input(message)));

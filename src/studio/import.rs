@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::error::{Diagnostic, Error, Result};
 use crate::math::DVec3;
 use crate::scene::description::SceneDescription;
-use crate::scene::{Override, SceneFile, read_text, read_text_reusing};
+use crate::scene::{Override, SceneFile, TableInput, read_text_reusing, read_text_with};
 
 use super::compose::{Composition, toml_string};
 use super::options::{Background, StudioOptions};
@@ -60,6 +60,32 @@ pub fn import(
     options: &StudioOptions,
     overrides: &[Override],
 ) -> Result<Import> {
+    import_with(name, path, folder, options, overrides, None)
+}
+
+/// Makes a scene of particles that a program has in memory, or of those of another scene that has
+/// the same overrides of `particles.0` and the same style. `path` is the file that the scene names.
+///
+/// # Errors
+/// If an override is wrong.
+pub fn import_particles(
+    name: &str,
+    path: &Path,
+    options: &StudioOptions,
+    overrides: &[Override],
+    particles: TableInput,
+) -> Result<Import> {
+    import_with(name, path, Path::new(""), options, overrides, Some(particles))
+}
+
+fn import_with(
+    name: &str,
+    path: &Path,
+    folder: &Path,
+    options: &StudioOptions,
+    overrides: &[Override],
+    mut given: Option<TableInput>,
+) -> Result<Import> {
     let file = toml_string(&path.to_string_lossy());
     let values = options.style.values();
     // Points of a surface are closer to some neighbours than balls that cover it.
@@ -68,13 +94,17 @@ pub fn import(
     // The other keys are those of the finished scene.
     let is_of_draft = |given: &&Override| DRAFT.iter().any(|table| given.key.starts_with(table));
     let of_draft: Vec<Override> = overrides.iter().filter(is_of_draft).cloned().collect();
-    let read = |scale: f64| {
+    let read = |scale: f64, given: Option<TableInput>| {
         let draft = draft(&file, &values, scale);
-        read_text(name, &draft, folder, &of_draft).map_err(|error| without_draft(error, name))
+        let inputs = given.into_iter().collect();
+        let scene = read_text_with(name, &draft, folder, &of_draft, inputs);
+        scene.map_err(|error| without_draft(error, name))
     };
-    let mut scene = read(radius_scale)?;
+    // Kept only where they may be needed again: they may be many.
+    let kept = if radius_scale == 1.0 { None } else { given.clone() };
+    let mut scene = read(radius_scale, given.take())?;
     if radius_scale != 1.0 && !has_radius_of_distances(&scene) {
-        scene = read(1.0)?;
+        scene = read(1.0, kept)?;
     }
     let size = size_of(&scene);
     let particles = scene.particles().next().ok_or_else(|| Error::input("no particles"))?;

@@ -31,8 +31,6 @@ pub fn overlay_spec(
     let image = &scene.settings.image;
     let size = [image.width, image.height];
     let height = f64::from(image.height);
-    let per_point = dpi.map_or(height * TEXT_SHARE / TEXT_POINTS, |dpi| f64::from(dpi) / 72.0);
-    let font_pixels = per_point * choice.font_size.unwrap_or(TEXT_POINTS);
     let look = scene.particles().next().map(|particles| particles.look);
     let legend = match look.filter(|_| choice.legend) {
         Some(look) => legend_spec(&look.legend, choice.title.as_deref()),
@@ -47,13 +45,21 @@ pub fn overlay_spec(
     });
     let spec = OverlaySpec {
         size,
-        font_pixels: font_pixels.clamp(1.0, (MAX_TEXT_SHARE * height).max(1.0)),
+        font_pixels: font_pixels(choice, image.height, dpi),
         light_ink: is_dark(&scene.description.background),
         legend,
         scale_bar,
         tripod: choice.tripod.then(|| axes_in_picture(camera)),
     };
     (!spec.is_empty()).then_some(spec)
+}
+
+/// Size of texts in pixels, in a picture of this height in pixels and this resolution for print.
+pub fn font_pixels(choice: &OverlayChoice, height: u32, dpi: Option<u32>) -> f64 {
+    let height = f64::from(height);
+    let per_point = dpi.map_or(height * TEXT_SHARE / TEXT_POINTS, |dpi| f64::from(dpi) / 72.0);
+    let font_pixels = per_point * choice.font_size.unwrap_or(TEXT_POINTS);
+    font_pixels.clamp(1.0, (MAX_TEXT_SHARE * height).max(1.0))
 }
 
 /// A legend with few entries more than nothing; one category says nothing.

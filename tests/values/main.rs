@@ -3,6 +3,7 @@
 //! extended.
 
 mod arrays;
+mod inputs;
 mod memory;
 mod sessions;
 mod text;

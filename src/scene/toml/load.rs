@@ -3,12 +3,15 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use toml::de::DeTable;
 
 use crate::error::{Error, Result};
+use crate::particles::Particles;
+use crate::scene::data::SphereArrays;
 use crate::scene::description::SceneDescription;
-use crate::scene::import::{ImportPlan, TablePlan, check_count};
+use crate::scene::import::{GivenTable, ImportPlan, TablePlan, check_count};
 use crate::scene::loaded_particles::LoadedParticles;
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
@@ -37,6 +40,25 @@ pub struct SceneFile {
     source: SceneSource,
     import_plan: ImportPlan,
     locator: ErrorLocator,
+}
+
+/// What stands in place of a table's file: particles or spheres of a program, or the particles of
+/// another scene with their radii and colours ([`SceneFile::particle_input`]).
+#[derive(Clone, Debug, Default)]
+pub struct TableInput(TablePlan);
+
+/// For one of `[[particles]]`.
+impl From<Particles> for TableInput {
+    fn from(particles: Particles) -> Self {
+        Self(TablePlan::of_given(GivenTable::Particles(Arc::new(particles))))
+    }
+}
+
+/// For one of `[[sphere_tables]]`.
+impl From<SphereArrays> for TableInput {
+    fn from(arrays: SphereArrays) -> Self {
+        Self(TablePlan::of_given(GivenTable::Arrays(arrays)))
+    }
 }
 
 /// Finds the position of a key again for an error message.
@@ -102,6 +124,24 @@ pub fn read_text_reusing(
 ) -> Result<SceneFile> {
     let folder = SceneFolder { named: folder, linked: None };
     read_from(name, text, folder, overrides, earlier.import_plan.tables)
+}
+
+/// Reads a scene from `text` like [`read_text`], but takes its tables from `inputs` and not from
+/// files: one for each of `[[sphere_tables]]`, then for each of `[[particles]]`. Tables without an
+/// input are read from their files.
+///
+/// # Errors
+/// As for [`read_file`].
+pub fn read_text_with(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    overrides: &[Override],
+    inputs: Vec<TableInput>,
+) -> Result<SceneFile> {
+    let folder = SceneFolder { named: folder, linked: None };
+    let plans = inputs.into_iter().map(|input| input.0).collect();
+    read_from(name, text, folder, overrides, plans)
 }
 
 /// Where relative paths of a scene start.
@@ -186,6 +226,13 @@ impl SceneFile {
     pub fn particles(&self) -> impl Iterator<Item = LoadedParticles<'_>> {
         let planned = self.import_plan.tables.iter().filter_map(|plan| plan.particles.as_ref());
         planned.map(|planned| LoadedParticles::new(&planned.arrays, &planned.look))
+    }
+
+    /// The particles of the first table that has some, to be used in another scene: a copy that
+    /// shares their numbers, radii and colours.
+    pub fn particle_input(&self) -> Option<TableInput> {
+        let plans = &self.import_plan.tables;
+        plans.iter().find(|plan| plan.particles.is_some()).cloned().map(TableInput)
     }
 
     /// Reads the tables and builds the scene.

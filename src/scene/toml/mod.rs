@@ -8,5 +8,7 @@ mod nesting;
 mod overrides;
 mod read;
 
-pub use load::{SceneFile, read_file, read_stream, read_text, read_text_reusing};
+pub use load::{
+    SceneFile, TableInput, read_file, read_stream, read_text, read_text_reusing, read_text_with,
+};
 pub use overrides::Override;
