@@ -8,9 +8,13 @@ use std::process::Command;
 
 use toml::de::{DeTable, DeValue};
 
-/// The tables of Cargo.toml, and what stands behind a name in CONTRIBUTING.md.
-const KINDS: [(&str, &str); 3] =
-    [("dependencies", ""), ("build-dependencies", " (build)"), ("dev-dependencies", " (tests)")];
+/// The tables of a Cargo.toml, and what stands behind a name in CONTRIBUTING.md.
+const KINDS: [(&str, &str, &str); 4] = [
+    ("Cargo.toml", "dependencies", ""),
+    ("Cargo.toml", "build-dependencies", " (build)"),
+    ("Cargo.toml", "dev-dependencies", " (tests)"),
+    ("python/Cargo.toml", "dependencies", " (Python)"),
+];
 
 const HEADER: &str = "| crate | what it replaces |";
 
@@ -62,16 +66,23 @@ fn rows() -> BTreeSet<String> {
     rows.filter_map(|row| row.split('|').nth(1)).map(|cell| cell.trim().to_owned()).collect()
 }
 
-/// The dependencies of Cargo.toml, written alike.
+/// The dependencies of the packages, written alike. Those of the library need no second row.
 fn dependencies() -> BTreeSet<String> {
-    let text = read("Cargo.toml");
-    let manifest = DeTable::parse(&text).expect("cargo has read it too");
-    let of_kind = |(key, kind): (&str, &str)| -> Vec<String> {
+    let mut rows = BTreeSet::new();
+    let mut known = BTreeSet::from(["photosphere".to_owned()]);
+    for (file, key, kind) in KINDS {
+        let text = read(file);
+        let manifest = DeTable::parse(&text).expect("cargo has read it too");
         let table = manifest.get_ref().get(key).expect("there are some");
         let DeValue::Table(table) = table.get_ref() else { panic!("`{key}` is no table") };
-        table.keys().map(|name| format!("`{}`{kind}", name.get_ref())).collect()
-    };
-    KINDS.into_iter().flat_map(of_kind).collect()
+        for name in table.keys().map(|name| name.get_ref().to_string()) {
+            if file == "Cargo.toml" || !known.contains(&name) {
+                rows.insert(format!("`{name}`{kind}"));
+            }
+            known.insert(name);
+        }
+    }
+    rows
 }
 
 fn read(file: &str) -> String {

@@ -10,7 +10,7 @@ const POINTERS: [&str; 5] = ["The same", "It ", "They ", "Its ", "Whether "];
 const WIDTH: usize = 100;
 
 /// The folders with code.
-const FOLDERS: [&str; 5] = ["src", "tests", "benches", "examples", "fuzz/src"];
+const FOLDERS: [&str; 6] = ["src", "tests", "benches", "examples", "fuzz/src", "python/src"];
 
 #[test]
 fn doc_comments_stand_alone() {

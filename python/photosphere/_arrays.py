@@ -1,0 +1,100 @@
+"""Checks of arrays before they are copied: what is wrong is said with the name of the argument."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["MOST_ROWS", "is_single", "numbers", "positions", "words"]
+
+#: The most spheres of a scene: ids have 32 bits.
+MOST_ROWS = 4_294_967_293
+
+#: Types whose numbers f32 holds exactly, apart from f32 itself.
+_SINGLE = ("float16", "float32", "int8", "int16", "uint8", "uint16")
+
+
+def _array(given: Any, name: str) -> np.ndarray:
+    import numpy as np
+
+    if hasattr(given, "__dlpack__") and not isinstance(given, np.ndarray):
+        given = np.from_dlpack(given)
+    try:
+        array = np.asarray(given)
+    except ValueError as error:
+        raise ValueError(f"{name}: expected an array of numbers ({error})") from None
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"{name}: expected numbers, not the type {array.dtype}")
+    return array
+
+
+def is_single(array: np.ndarray) -> bool:
+    """True if f32 holds all values of the type of an array."""
+    return array.dtype.newbyteorder("=").name in _SINGLE
+
+
+def positions(given: Any, name: str = "positions", columns: int = 3) -> np.ndarray:
+    """Rows of numbers.
+
+    Raises:
+        ValueError: They are no numbers, have another shape, or are none or too many.
+    """
+    array = _array(given, name)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(
+            f"{name}: expected an array of the shape (n, {columns}), not {array.shape}"
+        )
+    _check_count(len(array), name)
+    return array
+
+
+def numbers(given: Any, name: str, count: int, *, positive: bool = False) -> np.ndarray:
+    """A number for each particle.
+
+    Raises:
+        ValueError: They are no numbers, not as many, or not positive where they have to be.
+    """
+    import numpy as np
+
+    array = _array(given, name)
+    if array.shape != (count,):
+        raise ValueError(f"{name}: expected an array of the shape ({count},), not {array.shape}")
+    if positive:
+        good = array > 0
+        if array.dtype.kind == "f":
+            good &= np.isfinite(array)
+        if not good.all():
+            row = int(np.argmin(good))
+            raise ValueError(f"{name}: row {row} is {array[row]}: expected a positive number")
+    return array
+
+
+def words(given: Any, name: str, count: int) -> tuple[np.ndarray, list[str]]:
+    """A word for each particle, as codes and names in the order of their first appearance.
+
+    Raises:
+        ValueError: They are no words, or not as many.
+    """
+    import numpy as np
+
+    array = np.asarray(given)
+    if array.dtype.kind == "O" and all(isinstance(one, str) for one in array.flat):
+        array = array.astype(str)
+    if array.dtype.kind not in "UST" or array.shape != (count,):
+        raise ValueError(f"{name}: expected {count} words, not {array.dtype} {array.shape}")
+    if array.dtype.kind == "S":
+        array = np.char.decode(array, "utf-8")
+    names, first, codes = np.unique(array, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(order), dtype=np.uint32)
+    rank[order] = np.arange(len(order), dtype=np.uint32)
+    return rank[codes], [str(names[at]) for at in order]
+
+
+def _check_count(count: int, name: str) -> None:
+    if count == 0:
+        raise ValueError(f"{name}: there are no rows")
+    if count > MOST_ROWS:
+        raise ValueError(f"{name}: {count} rows are more than the {MOST_ROWS} of a scene")

@@ -1,0 +1,346 @@
+"""Renders: they progress, stop, go on, and can be merged."""
+
+from __future__ import annotations
+
+import asyncio
+import html
+import json
+import os
+import re
+import tempfile
+import threading
+import warnings
+from base64 import b64encode
+from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._options import split
+from ._picture import Picture
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+__all__ = ["Part", "Render", "merge", "resume"]
+
+#: How long an interrupt waits for the samples that are being rendered, in seconds.
+_PATIENCE = 0.25
+
+
+class Render:
+    """A render that runs on threads of its own.
+
+    `Scene.start` and `resume` make one. In a notebook it shows a picture that gets better. A render
+    that is no longer referenced stops.
+    """
+
+    def __init__(self, core: _core.Render, scene: Scene | None, options: dict[str, Any]) -> None:
+        self._core, self._scene, self._options = core, scene, options
+        self._has_warned = False
+        self._saved = False
+        if options.get("preview") is not None:
+            self._save_previews(options)
+
+    @classmethod
+    def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
+        words, changes = split(options)
+        return cls(_core.Render.start(scene._core, words, changes), scene, options)
+
+    def wait(self, timeout: float | None = None) -> Render:
+        """Waits until the render ends, or for this many seconds.
+
+        Raises:
+            Error: The scene is wrong, or the render failed.
+            KeyboardInterrupt: By Ctrl-C or an interrupt of the kernel. The render has stopped, and
+                `picture` has the samples so far.
+        """
+        try:
+            ended = self._core.wait(timeout)
+        except KeyboardInterrupt:
+            self._core.stop()
+            self._core.wait(_PATIENCE)
+            raise
+        if ended:
+            self._core.check()
+            self._finish()
+        return self
+
+    def stop(self) -> Render:
+        """Stops the render, and waits until it has stopped."""
+        self._core.stop()
+        self._core.wait(None)
+        return self
+
+    def extend_to(self, spp: int) -> Render:
+        """Goes on until every pixel has this number of samples; waits for a run before it.
+
+        Returns:
+            The render, which runs: `wait` for it.
+        """
+        self.wait()
+        self._core.extend_to(spp)
+        self._saved = False
+        return self
+
+    @property
+    def running(self) -> bool:
+        """True until all samples are rendered, or the render has stopped."""
+        return self._core.is_running()
+
+    @property
+    def picture(self) -> Picture:
+        """The picture so far.
+
+        Raises:
+            Error: There are no samples yet, or the render failed.
+        """
+        while self._core.is_running() and not self.samples:
+            self._core.wait(0.02)
+        return Picture(self._core.picture(), self._scene, self._options)
+
+    @property
+    def error(self) -> float | None:
+        """The estimated error that 95 % of the values stay below, relative to the brightness."""
+        progress = self._progress(True)
+        return progress["error"] if progress else None
+
+    @property
+    def samples(self) -> int:
+        """The samples so far, over all pixels."""
+        progress = self._progress(False)
+        return int(progress["samples"]) if progress else 0
+
+    @property
+    def spp(self) -> float:
+        """The samples so far, per pixel."""
+        progress = self._progress(False)
+        return float(progress["spp"]) if progress else 0.0
+
+    @property
+    def left(self) -> float | None:
+        """The time left in seconds, at most; None if unknown."""
+        progress = self._progress(False)
+        return progress["left"] if progress else None
+
+    @property
+    def reason(self) -> str | None:
+        """Why the render ended: "finished", "time", "noise target missed", "stopped", "failed"."""
+        return self._report()["reason"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is worth knowing of the scene and the picture."""
+        return list(self._report()["warnings"])
+
+    @property
+    def part(self) -> Part:
+        """The samples so far, to be merged or resumed."""
+        return Part(self._core.checkpoint())
+
+    def save(self, path: str | os.PathLike[str], **look: Any) -> Path:
+        """Saves the picture so far; see `Picture.save`."""
+        return self.picture.save(path, **look)
+
+    def stream(self, every: float = 1.0) -> Iterator[Picture]:
+        """The picture so far, again and again, and at the end."""
+        while not self._core.wait(every):
+            if self.samples:
+                yield self.picture
+        self.wait()
+        yield self.picture
+
+    async def __aiter__(self) -> AsyncIterator[Picture]:
+        while self._core.is_running():
+            await asyncio.sleep(0.5)
+            if self._core.is_running() and self.samples:
+                yield self.picture
+        self.wait()
+        yield self.picture
+
+    def __repr__(self) -> str:
+        return f"<render: {self._line()}>"
+
+    # Notebooks.
+
+    def _ipython_display_(self) -> None:
+        from IPython.display import display  # type: ignore[import-not-found,unused-ignore]
+
+        handle = display(_Frame(self), display_id=True)
+        if handle is None or not self.running:
+            return
+
+        def update() -> None:
+            while not self._core.wait(1.0):
+                handle.update(_Frame(self))
+            handle.update(_Frame(self))
+
+        threading.Thread(target=update, name="photosphere display", daemon=True).start()
+
+    def _repr_png_(self) -> bytes | None:
+        return self.picture._repr_png_() if self.samples else None
+
+    # What follows is not for users.
+
+    def _progress(self, with_error: bool) -> dict[str, Any] | None:
+        return json.loads(self._core.progress(with_error))
+
+    def _report(self) -> dict[str, Any]:
+        return json.loads(self._core.report())
+
+    def _line(self) -> str:
+        progress = self._progress(True)
+        if progress is None:
+            return "reading the scene" if self.running else "stopped before the first sample"
+        parts = [f"{progress['spp']:.4g} samples per pixel"]
+        if progress["error"] is not None:
+            parts.append(f"error {100 * progress['error']:.3g} %")
+        if not self.running:
+            parts.append(self.reason or "")
+        elif progress["left"] is not None:
+            minutes, seconds = divmod(round(progress["left"]), 60)
+            parts.append(f"{minutes}:{seconds:02} left")
+        return ", ".join(part for part in parts if part)
+
+    def _finish(self) -> None:
+        if not self._has_warned and not self._options.get("quiet"):
+            for text in self.warnings:
+                warnings.warn(text, stacklevel=3)
+        self._has_warned = True
+        output = self._options.get("output")
+        if output is not None and not self._saved:
+            self._saved = True
+            named = [output] if isinstance(output, (str, os.PathLike)) else output
+            for path in named:
+                self.save(path)
+
+    def _save_previews(self, options: dict[str, Any]) -> None:
+        every = _seconds(options.get("preview_every", 2.0))
+
+        def save() -> None:
+            while not self._core.wait(every):
+                if self.samples:
+                    self.save(options["preview"])
+            if self.samples:
+                self.save(options["preview"])
+
+        threading.Thread(target=save, name="photosphere preview", daemon=True).start()
+
+
+class _Frame:
+    """A render as a notebook shows it at one time."""
+
+    def __init__(self, render: Render) -> None:
+        self._line = render._line()
+        self._png = render._repr_png_()
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        line = html.escape(self._line)
+        if self._png is None:
+            return {"text/plain": self._line, "text/html": f"<em>{line}</em>"}
+        data = b64encode(self._png).decode()
+        picture = f'<img src="data:image/png;base64,{data}" style="max-width:100%">'
+        return {
+            "text/plain": self._line,
+            "text/html": f"<figure>{picture}<figcaption>{line}</figcaption></figure>",
+        }
+
+
+class Part:
+    """Samples of a render: the bytes of a `.part` file. It can be pickled and sent anywhere."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Part:
+        """Reads a `.part` file or a checkpoint."""
+        return cls(Path(path).read_bytes())
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes a file that `photosphere merge` and `merge` read."""
+        path = Path(path)
+        path.write_bytes(self._data)
+        return path
+
+    def __bytes__(self) -> bytes:
+        return self._data
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Part) and self._data == other._data
+
+    def __hash__(self) -> int:
+        return hash(self._data)
+
+    def __repr__(self) -> str:
+        return f"<part of {len(self._data)} bytes>"
+
+
+def merge(
+    parts: Iterable[Part | str | os.PathLike[str]],
+    *,
+    layers: Sequence[str] | str | None = None,
+    crop: tuple[int, int, int, int] | None = None,
+    allow_gaps: bool = False,
+) -> Picture:
+    """The picture of parts of one render, whose pixels are those of a single render, bit for bit.
+
+    Args:
+        parts: Parts, or names of their files, in any order. No two have a sample in common.
+        layers: The layers of the picture [default: those of the parts].
+        crop: The window that parts with crops fill together.
+        allow_gaps: Merge even if pixels or samples are missing.
+    """
+    names = layers.split(",") if isinstance(layers, str) else layers
+    with tempfile.TemporaryDirectory() as folder:
+        paths = []
+        for at, part in enumerate(parts):
+            is_part = isinstance(part, Part)
+            path = Path(folder) / f"{at}.part" if is_part else Path(part)  # type: ignore[arg-type]
+            if isinstance(part, Part):
+                part.save(path)
+            paths.append(os.fspath(path))
+        wanted = None if names is None else list(names)
+        box = None if crop is None else list(crop)
+        core, missed = _core.merge(paths, wanted, box, allow_gaps)
+    for text in missed:
+        warnings.warn(text, stacklevel=2)
+    return Picture(core, None, {})
+
+
+def resume(
+    checkpoint: str | os.PathLike[str] | Part,
+    *,
+    scene: Scene | None = None,
+    extend_to: int | None = None,
+    threads: int = 0,
+) -> Render:
+    """Goes on with a render from its checkpoint.
+
+    Args:
+        checkpoint: The file that the render saved, which is saved further on; or a part.
+        scene: The scene, if it was made of arrays or objects.
+        extend_to: Render until every pixel has this number of samples.
+        threads: The number of threads; 0 is one for each core.
+
+    Raises:
+        Error: The checkpoint is damaged, or the scene has changed.
+    """
+    core_scene = None if scene is None else scene._core
+    if isinstance(checkpoint, Part):
+        data = bytes(checkpoint)
+        core = _core.Render.resume(None, data, core_scene, extend_to, threads)
+    else:
+        path = os.fspath(checkpoint)
+        os.stat(path)
+        core = _core.Render.resume(path, None, core_scene, extend_to, threads)
+    return Render(core, scene, {})
+
+
+def _seconds(given: Any) -> float:
+    if isinstance(given, (int, float)):
+        return float(given)
+    match = re.fullmatch(r"([0-9.]+)(ms|s|m|h)?", str(given))
+    if not match:
+        raise ValueError(f"preview_every: expected a time such as 2s, not {given!r}")
+    return float(match[1]) * {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0, None: 1.0}[match[2]]

@@ -1,0 +1,429 @@
+//! Renders on threads of their own, which Python waits for without the GIL.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use photosphere::cli::keywords::{KeywordRender, OpenedScene, SceneInput, scene_warnings};
+use photosphere::image_io::AtomicFile;
+use photosphere::job::{
+    Checkpoint, Job, OutputSpec, RunOutcome, Session, SessionOptions, StopCriteria, StopReason,
+    frame_crop,
+};
+use photosphere::overlay::OverlaySpec;
+use photosphere::scene::Override;
+use photosphere::task::CancelToken;
+use photosphere::{Error, Result};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayon::ThreadPool;
+use serde_json::json;
+
+use crate::picture::Picture;
+use crate::scene::{Changes, Scene, overrides, parse};
+use crate::{error, pool};
+
+/// How often a wait looks for signals such as Ctrl-C.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// A render, from the reading of its scene to its last sample.
+#[pyclass(frozen, module = "photosphere._core")]
+pub(crate) struct Render(Arc<Shared>);
+
+/// What the thread of a render shares with Python.
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+    cancel: CancelToken,
+    process: u32,
+}
+
+#[derive(Default)]
+struct State {
+    is_running: bool,
+    session: Option<Arc<Session>>,
+    loaded: Loaded,
+    outcome: Option<RunOutcome>,
+    failure: Option<Error>,
+}
+
+/// What is known of the scene and its picture files.
+#[derive(Clone, Default)]
+struct Loaded {
+    overlay: Option<OverlaySpec>,
+    output: OutputSpec,
+    checkpoint: Option<AtomicFile>,
+    text: Option<String>,
+    warnings: Vec<String>,
+    choices: Vec<(&'static str, String)>,
+}
+
+/// What a render starts from.
+struct Start {
+    request: KeywordRender,
+    changes: Vec<Override>,
+    opened: Box<dyn FnOnce(&KeywordRender, &[Override]) -> Result<OpenedScene> + Send>,
+    checkpoint: Option<Checkpoint>,
+    /// The job of a checkpoint, which replaces the settings of the scene.
+    job: Option<Job>,
+    /// Where the samples are saved.
+    save_to: Option<PathBuf>,
+}
+
+#[pymethods]
+impl Render {
+    /// Starts a render and returns at once.
+    #[staticmethod]
+    fn start(
+        py: Python<'_>,
+        scene: Py<Scene>,
+        words: Vec<String>,
+        changes: Changes,
+    ) -> PyResult<Self> {
+        let request = parse(py, &words)?;
+        let save_to = request.checkpoint().map(PathBuf::from);
+        let checkpoint = match &save_to {
+            Some(path) if path.exists() => {
+                Some(Checkpoint::open(path).map_err(|e| error::raise(py, &e))?)
+            }
+            _ => None,
+        };
+        let start = Start {
+            request,
+            changes: overrides(&changes),
+            opened: Box::new(move |request, changes| scene.get().open(request, changes)),
+            checkpoint,
+            job: None,
+            save_to,
+        };
+        spawn(py, start)
+    }
+
+    /// Continues a render from a checkpoint: a file, or bytes. `scene` has the tables of a scene
+    /// that was made of arrays.
+    #[staticmethod]
+    fn resume(
+        py: Python<'_>,
+        path: Option<PathBuf>,
+        bytes: Option<Vec<u8>>,
+        scene: Option<&Scene>,
+        extend_to: Option<u32>,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let checkpoint = match (&path, bytes) {
+            (Some(path), _) => Checkpoint::open(path),
+            (None, bytes) => Checkpoint::from_bytes(bytes.unwrap_or_default()),
+        };
+        let checkpoint = checkpoint.map_err(|e| error::raise(py, &e))?;
+        let header = checkpoint.header();
+        let (request, input) =
+            KeywordRender::of_checkpoint(header).map_err(|e| error::raise(py, &e))?;
+        let mut job = Job { threads, ..request.job(header.job.settings) };
+        if let Some(samples) = extend_to {
+            extend_job(&mut job, samples);
+        }
+        let input = match (input, scene) {
+            (Some(SceneInput::Text { name, text, folder, .. }), Some(scene)) => {
+                SceneInput::Text { name, text, folder, tables: scene.tables() }
+            }
+            (None, Some(scene)) => scene.input.clone(),
+            (Some(input), _) => input,
+            (None, None) => {
+                let error = Error::input("the scene of this checkpoint was not read from a file");
+                return Err(error::raise(py, &error.with_help("pass it: scene=...")));
+            }
+        };
+        let start = Start {
+            request,
+            changes: Vec::new(),
+            opened: Box::new(move |request, changes| request.open(input, changes)),
+            checkpoint: Some(checkpoint),
+            job: Some(job),
+            save_to: path,
+        };
+        spawn(py, start)
+    }
+
+    /// Waits until the render ends, or for this time; true if it has ended. Signals are looked for
+    /// meanwhile: the exception of a handler ends the wait, and the render goes on.
+    fn wait(&self, py: Python<'_>, seconds: Option<f64>) -> PyResult<bool> {
+        self.check_process()?;
+        let end = seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.max(0.0)));
+        loop {
+            py.check_signals()?;
+            let now = Instant::now();
+            let left = end.map_or(SIGNAL_INTERVAL, |end| end.saturating_duration_since(now));
+            let has_ended = py.detach(|| self.0.wait_for_end(left.min(SIGNAL_INTERVAL)));
+            if has_ended || end.is_some_and(|end| Instant::now() >= end) {
+                return Ok(has_ended);
+            }
+        }
+    }
+
+    /// Raises the error that ended the render, if one did.
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        match &self.0.lock().failure {
+            Some(failure) => Err(error::raise(py, failure)),
+            None => Ok(()),
+        }
+    }
+
+    /// Asks the render to stop soon. Before its first sample, there will be no picture.
+    fn stop(&self) {
+        let session = self.0.lock().session.clone();
+        match session {
+            Some(session) => session.stop(),
+            None => self.0.cancel.cancel(),
+        }
+    }
+
+    /// True while the thread of the render runs.
+    fn is_running(&self) -> bool {
+        self.0.lock().is_running
+    }
+
+    /// True once there may be samples.
+    fn has_session(&self) -> bool {
+        self.0.lock().session.is_some()
+    }
+
+    /// Goes on until every pixel has this number of samples.
+    fn extend_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
+        self.check_process()?;
+        py.detach(|| {
+            let mut state = self.0.lock();
+            if state.is_running {
+                return Err(Error::input("the render is still running")
+                    .with_help("wait for it, or stop it first"));
+            }
+            let Some(session) = state.session.as_mut() else {
+                return Err(Error::input("the render has no samples to go on from"));
+            };
+            let Some(session) = Arc::get_mut(session) else {
+                return Err(Error::input("another thread is using the render"));
+            };
+            let mut job = session.job().clone();
+            extend_job(&mut job, samples);
+            session.extend(job)?;
+            (state.is_running, state.outcome) = (true, None);
+            Ok(())
+        })
+        .map_err(|e| error::raise(py, &e))?;
+        let shared = Arc::clone(&self.0);
+        start_thread(move || shared.finish_with(|| shared.run()))
+    }
+
+    /// The picture so far.
+    fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
+        let (session, loaded) = self.session(py)?;
+        let picture = py.detach(|| {
+            if session.film().sample_count() == 0 {
+                return Err(Error::input("the render has no samples yet"));
+            }
+            let (picture, metadata) = session.install(|| session.snapshot());
+            let crop = frame_crop(session.film().frame());
+            let layers = session.job().layers.clone();
+            Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
+        });
+        picture.map_err(|e| error::raise(py, &e))
+    }
+
+    /// Progress, as JSON.
+    fn progress(&self, py: Python<'_>, with_error: bool) -> String {
+        let (session, outcome) = {
+            let state = self.0.lock();
+            let error = state.outcome.as_ref().and_then(|outcome| outcome.error);
+            (state.session.clone(), error)
+        };
+        let Some(session) = session else { return "null".to_owned() };
+        py.detach(|| {
+            let progress = session.progress();
+            let estimate = || session.install(|| session.estimate_error());
+            let error = outcome.or_else(|| if with_error { estimate() } else { None });
+            let pixels = session.film().frame().pixel_count() as f64;
+            json!({
+                "samples": progress.samples_done,
+                "samples_total": progress.samples_total,
+                "spp": progress.samples_done as f64 / pixels,
+                "rate": progress.rate,
+                "error": error,
+                "left": progress.time_left.map(|left| left.end.as_secs_f64()),
+                "threads": session.threads(),
+                "accel": session.accel_summary(),
+            })
+            .to_string()
+        })
+    }
+
+    /// Why the render ended, what the user should know, and what was chosen automatically, as JSON.
+    fn report(&self) -> String {
+        let state = self.0.lock();
+        let reason = state.outcome.as_ref().map(|outcome| match outcome.stop_reason {
+            StopReason::Finished => "finished",
+            StopReason::TimeLimit => "time",
+            StopReason::NoiseTargetMissed => "noise target missed",
+            StopReason::Stopped => "stopped",
+            StopReason::Failed => "failed",
+        });
+        let mut warnings = state.loaded.warnings.clone();
+        if let (Some(session), false) = (&state.session, state.is_running) {
+            warnings.extend(session.statistics().2);
+        }
+        let noise = state.outcome.as_ref().and_then(|outcome| outcome.noise);
+        warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
+        json!({
+            "reason": reason,
+            "warnings": warnings,
+            "choices": state.loaded.choices,
+            "text": state.loaded.text,
+        })
+        .to_string()
+    }
+
+    /// The samples so far, as the bytes of a checkpoint.
+    fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let (session, _) = self.session(py)?;
+        let outcome = self.0.lock().outcome.clone();
+        let bytes = py.detach(|| session.install(|| session.checkpoint_bytes(outcome.as_ref())));
+        Ok(PyBytes::new(py, &bytes.map_err(|e| error::raise(py, &e))?))
+    }
+}
+
+impl Render {
+    fn session(&self, py: Python<'_>) -> PyResult<(Arc<Session>, Loaded)> {
+        self.check_process()?;
+        self.check(py)?;
+        let state = self.0.lock();
+        let session = state
+            .session
+            .clone()
+            .ok_or_else(|| error::raise(py, &Error::input("the render has no samples yet")))?;
+        Ok((session, state.loaded.clone()))
+    }
+
+    /// Refuses a render of the parent process, whose threads are not here.
+    fn check_process(&self) -> PyResult<()> {
+        if self.0.process == std::process::id() {
+            return Ok(());
+        }
+        let message = "this render belongs to the process that started it: start it anew here";
+        Err(PyRuntimeError::new_err(message))
+    }
+}
+
+/// A render that nobody can ask any more ends.
+impl Drop for Render {
+    fn drop(&mut self) {
+        if self.0.process == std::process::id() && self.0.lock().is_running {
+            self.stop();
+        }
+    }
+}
+
+fn extend_job(job: &mut Job, samples: u32) {
+    job.until = StopCriteria::default();
+    job.set_samples_per_pixel(samples);
+    let last = job.settings.render.samples_per_pixel;
+    job.samples = job.samples.take().map(|range| range.start..last);
+}
+
+fn spawn(py: Python<'_>, start: Start) -> PyResult<Render> {
+    let shared = Arc::new(Shared {
+        state: Mutex::new(State { is_running: true, ..State::default() }),
+        changed: Condvar::new(),
+        cancel: CancelToken::default(),
+        process: std::process::id(),
+    });
+    let pool = pool::get(py)?;
+    let own = Arc::clone(&shared);
+    start_thread(move || {
+        own.finish_with(|| {
+            own.open(start, &pool)?;
+            own.run()
+        });
+    })?;
+    Ok(Render(shared))
+}
+
+fn start_thread(work: impl FnOnce() + Send + 'static) -> PyResult<()> {
+    let thread = thread::Builder::new().name("photosphere".to_owned()).spawn(work);
+    let failed = |e| PyRuntimeError::new_err(format!("cannot start a thread: {e}"));
+    thread.map(drop).map_err(failed)
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait_for_end(&self, at_most: Duration) -> bool {
+        let running = |state: &mut State| state.is_running;
+        let waited = self.changed.wait_timeout_while(self.lock(), at_most, running);
+        !waited.unwrap_or_else(PoisonError::into_inner).0.is_running
+    }
+
+    /// Does the work of a thread and tells those who wait.
+    fn finish_with(&self, work: impl FnOnce() -> Result<()>) {
+        let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
+        let broken = |_| Err(Error::input("a bug in photosphere; please report it"));
+        let done = done.unwrap_or_else(broken);
+        let mut state = self.lock();
+        state.is_running = false;
+        state.failure = done.err();
+        self.changed.notify_all();
+    }
+
+    /// Reads the scene and opens the session.
+    fn open(&self, start: Start, pool: &ThreadPool) -> Result<()> {
+        let Start { request, changes, opened, checkpoint, job, save_to } = start;
+        let keep = save_to.as_deref().map(AtomicFile::new).transpose()?;
+        let mut loaded =
+            Loaded { output: request.output().clone(), checkpoint: keep, ..Loaded::default() };
+        let (scene, settings) = pool.install(|| {
+            let OpenedScene { file, text, notes, choices } = opened(&request, &changes)?;
+            self.cancel.check()?;
+            request.check_memory(&file)?;
+            loaded.overlay = request.overlay(&file);
+            (loaded.text, loaded.warnings, loaded.choices) = (text, notes, choices);
+            file.build()
+        })?;
+        self.cancel.check()?;
+        let job = job.unwrap_or_else(|| request.job(settings));
+        loaded.warnings.extend(scene_warnings(&scene, &job.settings));
+        let recorded =
+            || OutputSpec { files: Vec::new(), preview: None, tev: None, ..loaded.output.clone() };
+        let options = SessionOptions {
+            cancel: self.cancel.clone(),
+            output: loaded.checkpoint.as_ref().map(|_| recorded()),
+            ..SessionOptions::default()
+        };
+        let mut session = match checkpoint {
+            Some(checkpoint) => Session::resume(&scene, job, checkpoint, options)?,
+            None => Session::new(&scene, job, options)?,
+        };
+        if let Some(file) = &loaded.checkpoint {
+            session.autosave(file.clone(), loaded.output.save_every)?;
+        }
+        let mut state = self.lock();
+        (state.session, state.loaded) = (Some(Arc::new(session)), loaded);
+        Ok(())
+    }
+
+    /// Renders.
+    fn run(&self) -> Result<()> {
+        let (session, keep) = {
+            let state = self.lock();
+            (state.session.clone(), state.loaded.checkpoint.clone())
+        };
+        let Some(session) = session else { return Ok(()) };
+        let outcome = session.run(&())?;
+        if let Some(file) = keep {
+            session.install(|| session.write_checkpoint(&file, Some(&outcome)))?;
+        }
+        drop(session);
+        self.lock().outcome = Some(outcome);
+        Ok(())
+    }
+}

@@ -1,0 +1,25 @@
+"""The notebooks of docs/notebooks run from top to bottom, and show pictures."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import REPOSITORY
+
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
+pytest.importorskip("ipykernel")
+pytest.importorskip("matplotlib")
+
+BOOKS = sorted((REPOSITORY / "docs/notebooks").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", BOOKS, ids=lambda path: path.stem)
+def test_a_notebook(path) -> None:  # type: ignore[no-untyped-def]
+    book = nbformat.read(path, as_version=4)
+    nbformat.validate(book)
+    assert all(not cell.get("outputs") for cell in book.cells), "kept without outputs"
+    resources = {"metadata": {"path": path.parent}}
+    nbclient.NotebookClient(book, timeout=1200, resources=resources).execute()
+    shown = [output for cell in book.cells for output in cell.get("outputs", [])]
+    pictures = [output for output in shown if "image/png" in output.get("data", {})]
+    assert len(pictures) >= 2

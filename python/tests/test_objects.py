@@ -1,0 +1,153 @@
+"""Scenes of objects: every table and key of the scene file, as the schema has them."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import pickle
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+
+import photosphere as ps
+from photosphere import _core, _toml
+
+CAMERA = ps.Camera((0, 1, 6), (0, 1, 0))
+
+
+def keys_of(kind: type) -> set[str]:
+    """The keys of a class."""
+    return {field.name for field in dataclasses.fields(kind)}
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of scene files."""
+    return json.loads(_core.schema())
+
+
+def keys_in(table: dict[str, Any]) -> set[str]:
+    """All keys of a table, whatever its type."""
+    found: set[str] = set(table.get("properties", {}))
+    for word in ("oneOf", "anyOf", "allOf"):
+        for one in table.get(word, []):
+            found |= keys_in(one)
+    for word in ("then", "else"):
+        found |= keys_in(table[word]) if word in table else set()
+    return found
+
+
+def test_classes_have_the_keys_of_the_schema() -> None:
+    tables = schema()["properties"]
+    materials = [ps.Diffuse, ps.Mirror, ps.Conductor, ps.Dielectric, ps.Plastic, ps.Principled,
+                 ps.Phong]
+    theirs = keys_in(tables["materials"]["additionalProperties"])
+    assert theirs == set().union(*map(keys_of, materials)) | {"type"}
+    cameras = [ps.Camera, ps.Orthographic, ps.Panoramic]
+    assert keys_in(tables["camera"]) == set().union(*map(keys_of, cameras)) | {"type"}
+    background = tables["background"]["properties"]
+    assert set(background) == keys_of(ps.Background)
+    for name, kind in (("gradient", ps.Gradient), ("image", ps.EnvironmentMap), ("sky", ps.Sky),
+                       ("sun", ps.Sun)):
+        assert set(background[name]["properties"]) == keys_of(kind), name
+    assert set(tables["spheres"]["items"]["properties"]) == keys_of(ps.Sphere)
+
+
+MATERIALS = [
+    ps.Diffuse(0.7, roughness=0.5),
+    ps.Mirror(),
+    ps.Metal("gold", 0.2),
+    ps.Conductor(ior=(0.2, 0.9, 1.1), extinction=(3.9, 2.4, 2.2)),
+    ps.Glass("bk7"),
+    ps.Glass(1.33, absorption=(0.1, 0.2, 0.3)),
+    ps.Plastic((0.6, 0.1, 0.1), roughness=0.2),
+    ps.Principled((0.8, 0.5, 0.2), metallic=1, coat=0.5),
+    ps.Phong(),
+    ps.Light((5, 4, 3)),
+]
+
+
+@pytest.mark.parametrize("material", MATERIALS, ids=str)
+def test_every_material(material: Any) -> None:
+    spheres = [ps.Sphere((0, 1, 0), 1, material), ps.Sphere((0, -50, 0), 50)]
+    scene = ps.Scene(spheres, camera=CAMERA, background=1.0)
+    assert np.asarray(scene.render(32, 24, spp=4, quiet=True)).mean() > 0
+
+
+@pytest.mark.parametrize(
+    "background",
+    [
+        0.5,
+        (0.1, 0.2, 0.3),
+        ps.Gradient(1.0, (0.5, 0.5, 0.6)),
+        [ps.Sky(scale=0.01), ps.Sun(elevation_degrees=30, irradiance=3)],
+        ps.Background(radiance=0.2, sun=ps.Sun((1, 1, 1))),
+    ],
+    ids=str,
+)
+def test_every_background(background: Any) -> None:
+    scene = ps.Scene([ps.Sphere((0, 1, 0), 1)], camera=CAMERA, background=background)
+    assert np.asarray(scene.render(32, 24, spp=4, quiet=True)).mean() > 0
+    xyz = np.random.default_rng(0).uniform(-1, 1, (20, 3))
+    lit = ps.spheres(xyz, radius=0.3, background=background)
+    assert np.asarray(lit.render(32, 24, spp=4, quiet=True)).mean() > 0
+
+
+def test_every_camera() -> None:
+    cameras = [
+        ps.ThinLens((0, 1, 6), (0, 1, 0), aperture_radius=0.2, blades=5),
+        ps.Orthographic((0, 1, 6), (0, 1, 0), 4),
+        ps.Panoramic((0, 1, 6), (0, 1, 0)),
+    ]
+    sphere = ps.Sphere((0, 1, 0), 1)
+    hashes = {ps.Scene([sphere], camera=c, background=1.0).content_hash for c in cameras}
+    assert len(hashes) == 3
+
+
+def test_particles_of_glass_under_a_lens() -> None:
+    xyz = np.random.default_rng(0).uniform(-1, 1, (20, 3))
+    scene = ps.spheres(xyz, radius=0.3, material=ps.Glass("water"))
+    assert "dielectric" in scene.toml
+    camera = ps.ThinLens((0, -8, 2), (0, 0, 0), up=(0, 0, 1), aperture_radius=0.1)
+    other = scene.replace(camera=camera)
+    assert other.content_hash != scene.content_hash
+
+
+def test_a_scene_of_objects_is_saved_with_its_arrays(in_folder: Path) -> None:
+    xyz = np.random.default_rng(0).uniform(-1, 1, (50, 3))
+    table = ps.Spheres(xyz, np.full(50, 0.2), ps.Diffuse(), color=np.abs(xyz))
+    scene = ps.Scene([table, ps.Sphere((0, -50, 0), 49)], camera=CAMERA, background=1.0)
+    scene.save("mine.toml")
+    again = ps.scene("mine.toml")
+    same = [np.asarray(one.render(32, 24, spp=4, quiet=True)) for one in (scene, again)]
+    assert np.array_equal(*same)
+
+
+def test_a_scene_of_particles_is_saved_with_its_arrays(in_folder: Path, scene: ps.Scene) -> None:
+    scene.save("mine.toml")
+    again = ps.scene("mine.toml", {"image.width": 32, "image.height": 24})
+    assert Path("mine.npz").exists()
+    assert np.asarray(again.render(spp=4, quiet=True)).mean() > 0
+
+
+@pytest.mark.parametrize("name", ["cornell-spheres", "materials", "sky", "many-lights"])
+def test_toml_is_written_as_it_is_read(name: str) -> None:
+    document = tomllib.loads((REPOSITORY / f"scenes/{name}.toml").read_text())
+    assert tomllib.loads(_toml.document(document)) == document
+
+
+def test_scenes_and_pictures_can_be_pickled(scene: ps.Scene) -> None:
+    table = ps.Spheres(np.eye(3), 0.3, ps.Mirror())
+    objects = ps.Scene([table], camera=CAMERA, background=1.0)
+    file = ps.scene(REPOSITORY / "scenes/smallpt.toml")
+    for one in (scene, objects, file):
+        assert pickle.loads(pickle.dumps(one)).content_hash == one.content_hash
+    layers = ["depth", "sphere_id", "normal"]
+    picture = scene.render(64, 48, spp=4, layers=layers, quiet=True)
+    again = pickle.loads(pickle.dumps(picture))
+    for name in picture:
+        assert np.array_equal(picture[name], again[name]), name
+    assert np.array_equal(picture.rgb8(), again.rgb8())

@@ -1,0 +1,43 @@
+"""The types: stubs agree with the extension module, and the package passes its own checks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("mypy")
+PACKAGE = Path(__file__).parents[1]
+
+
+def run(*words: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", *words], capture_output=True, text=True, cwd=PACKAGE, check=False
+    )
+    return done.stdout + done.stderr if done.returncode else ""
+
+
+def test_stubs_agree_with_the_extension() -> None:
+    assert run("mypy.stubtest", "photosphere._core", "--ignore-disjoint-bases") == ""
+
+
+def test_the_types_are_consistent() -> None:
+    assert run("mypy") == ""
+
+
+def test_everything_public_has_a_docstring() -> None:
+    import inspect
+
+    import photosphere as ps
+
+    for name in ps.__all__:
+        one = getattr(ps, name)
+        if not callable(one):
+            continue
+        assert one.__doc__, name
+        if inspect.isclass(one):
+            for member, made in vars(one).items():
+                is_public = not member.startswith("_") and callable(made)
+                assert not is_public or made.__doc__, f"{name}.{member}"
