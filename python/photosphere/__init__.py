@@ -13,37 +13,41 @@ and merges, a `Picture` is arrays. The options of the command line are keywords 
 from __future__ import annotations
 
 import os as _os
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
 from . import _core
 from ._adapters import from_ase, from_gsd, from_mdanalysis, from_ovito, from_pyvista
 from ._errors import Error
-from ._objects import (
-    Background,
-    Camera,
-    Conductor,
-    Dielectric,
-    Diffuse,
-    EnvironmentMap,
-    Glass,
-    Gradient,
-    Light,
-    Metal,
-    Mirror,
-    Orthographic,
-    Panoramic,
-    Phong,
-    Plastic,
-    Principled,
-    Sky,
-    Sphere,
-    Spheres,
-    Sun,
-    ThinLens,
-)
 from ._particles import By, Cell, Particles, by, read, spheres
 from ._picture import Legend, Pick, Picture
 from ._render import Part, Render, merge, resume
 from ._scene import Plan, Scene, scene
+
+if _TYPE_CHECKING:
+    from ._objects import (
+        Background,
+        Camera,
+        Conductor,
+        Dielectric,
+        Diffuse,
+        EnvironmentMap,
+        Glass,
+        Gradient,
+        Light,
+        Metal,
+        Mirror,
+        Orthographic,
+        Panoramic,
+        Phong,
+        Plastic,
+        Principled,
+        Sky,
+        Sphere,
+        Spheres,
+        Sun,
+        ThinLens,
+    )
 
 __all__ = [
     "NONE",
@@ -96,6 +100,22 @@ __all__ = [
 NONE = 4_294_967_295
 
 __version__: str = _core.VERSION
+
+
+
+def __getattr__(name: str) -> _Any:
+    """Materials, cameras and the like, whose module is imported when one of them is used."""
+    if name in __all__:
+        from . import _objects
+
+        return getattr(_objects, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Names for completion, those of materials and the like included."""
+    return sorted({*globals(), *__all__})
+
 
 # A forked process has none of the threads of its parent.
 _os.register_at_fork(after_in_child=_core.after_fork)

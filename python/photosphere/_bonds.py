@@ -1,6 +1,6 @@
 """Ball-and-stick: bonds as rows of small spheres, each half in the colour of its atom.
 
-A scene has spheres only; beads that overlap by three quarters look like a stick.
+A scene has spheres only; beads that overlap by seven eighths look like a stick.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _BALL, _STICK = 0.55, 0.14
 _REACH, _MIN_REACH = 1.2, 0.4
 
 #: Beads along a stick, in radii.
-_STEP = 0.5
+_STEP = 0.25
 
 
 def with_bonds(

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from . import _core, _toml
-from ._objects import background_table
 
 if TYPE_CHECKING:
     from ._objects import AnyBackground, AnyCamera, Material
@@ -141,6 +140,8 @@ def split(options: Mapping[str, Any]) -> tuple[list[str], list[tuple[str, str]]]
         if name == "camera":
             changes.append(("camera", _toml.value(given)))
         elif name == "background" and not isinstance(given, str):
+            from ._objects import background_table
+
             table = background_table(given)
             changes.append(("background", _toml.value({"up": [0, 0, 1], **table})))
         elif name == "material" and not isinstance(given, str):

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
-import html
 import json
 import os
 import re
-import tempfile
 import threading
 import warnings
-from base64 import b64encode
 from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -151,6 +147,8 @@ class Render:
         yield self.picture
 
     async def __aiter__(self) -> AsyncIterator[Picture]:
+        import asyncio
+
         while self._core.is_running():
             await asyncio.sleep(0.5)
             if self._core.is_running() and self.samples:
@@ -235,6 +233,9 @@ class _Frame:
         self._png = render._repr_png_()
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        import html
+        from base64 import b64encode
+
         line = html.escape(self._line)
         if self._png is None:
             return {"text/plain": self._line, "text/html": f"<em>{line}</em>"}
@@ -291,6 +292,8 @@ def merge(
         crop: The window that parts with crops fill together.
         allow_gaps: Merge even if pixels or samples are missing.
     """
+    import tempfile
+
     names = layers.split(",") if isinstance(layers, str) else layers
     with tempfile.TemporaryDirectory() as folder:
         paths = []

@@ -5,22 +5,18 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import subprocess
-import sys
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _arrays, _core, _toml
 from ._errors import Error
-from ._objects import Sphere, Spheres, background_table
 from ._options import LookOptions, Options, PartOptions, check_names, split
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._objects import AnyBackground, AnyCamera, Material
+    from ._objects import AnyBackground, AnyCamera, Material, Sphere, Spheres
     from ._particles import Particles
     from ._picture import Pick, Picture
     from ._render import Part, Render
@@ -70,6 +66,8 @@ class Scene:
         render: Mapping[str, Any] | None = None,
         folder: str | os.PathLike[str] = "",
     ) -> None:
+        from ._objects import Sphere, Spheres, background_table
+
         document: dict[str, Any] = {"format": 1}
         if image:
             document["image"] = dict(image)
@@ -170,9 +168,9 @@ class Scene:
         given = dict(self._options.get("set") or {})
         if not changes and not given:
             return str(text)
-        document = tomllib.loads(text)
+        document = _read(text)
         for key, one in changes:
-            _set_key(document, key, tomllib.loads(f"v = {one}")["v"])
+            _set_key(document, key, _read(f"v = {one}")["v"])
         for key, one in given.items():
             _set_key(document, key, one)
         return _toml.document(document)
@@ -265,7 +263,7 @@ class Scene:
         document = dict(self._document or {})
         _, changes = split(changed)
         for key, one in changes:
-            _set_key(document, key, tomllib.loads(f"v = {one}")["v"])
+            _set_key(document, key, _read(f"v = {one}")["v"])
         for key, one in keys.items():
             _set_key(document, key, one.toml() if hasattr(one, "toml") else one)
         other._set_document(document, self._folder, self._tables)
@@ -317,6 +315,9 @@ class Scene:
         """
         if self._path is None:
             raise Error("a plan names a scene file", help='save the scene: scene.save("a.toml")')
+        import subprocess
+        import sys
+
         words, changes = split({**self._options, **_given(options)})
         words += [f"--set={key}={value}" for key, value in changes]
         command = [sys.executable, "-m", "photosphere", "plan", self._path, f"--shards={shards}"]
@@ -386,7 +387,7 @@ def scene(path: str | os.PathLike[str], keys: Mapping[str, Any] | None = None) -
     Args:
         path: A scene file (.toml).
         keys: Keys to change, such as {"render.samples_per_pixel": 256,
-            "materials.left.albedo": [0.7, 0.1, 0.1]}.
+            "materials.red.albedo": [0.7, 0.1, 0.1]}.
 
     Raises:
         Error: The file or a key is wrong; `.file` and `.line` say where.
@@ -395,6 +396,12 @@ def scene(path: str | os.PathLike[str], keys: Mapping[str, Any] | None = None) -
     made = Scene._of_file(os.fspath(path), options)
     made._describe()
     return made
+
+
+def _read(text: str) -> dict[str, Any]:
+    import tomllib
+
+    return tomllib.loads(text)
 
 
 def _given(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -497,7 +504,7 @@ def _named_arrays(particles: Particles) -> dict[str, Any]:
 
 def _with_moved_files(text: str, old: Path, new: Path) -> str:
     """Lets relative names of files in a scene start at another folder."""
-    document = tomllib.loads(text)
+    document = _read(text)
     tables = [*document.get("sphere_tables", []), *document.get("particles", [])]
     image = document.get("background", {}).get("image")
     for table in tables + ([image] if image else []):

@@ -2,6 +2,7 @@
 //! it is needed first. A forked process has none of the threads of its parent, so it makes new
 //! ones.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use photosphere::Error;
@@ -12,9 +13,18 @@ use rayon::ThreadPool;
 /// Python forks.
 static POOL: Mutex<Option<Arc<ThreadPool>>> = Mutex::new(None);
 
+/// True in a forked process.
+static IS_FORKED: AtomicBool = AtomicBool::new(false);
+
+/// Returns true in a forked process, where rayon's global pool may have no threads.
+pub(crate) fn is_forked() -> bool {
+    IS_FORKED.load(Ordering::Relaxed)
+}
+
 /// Forgets the pool of the parent process. Python calls this in a forked process.
 #[pyfunction]
 pub(crate) fn after_fork() {
+    IS_FORKED.store(true, Ordering::Relaxed);
     let parent = POOL.lock().unwrap_or_else(PoisonError::into_inner).take();
     // Its threads are in the parent: to drop it would wait for them.
     std::mem::forget(parent);

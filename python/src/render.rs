@@ -218,15 +218,18 @@ impl Render {
     /// The picture so far.
     fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
         let (session, loaded) = self.session(py)?;
-        let picture = py.detach(|| {
+        // What works in parallel is done by threads of the render, never by rayon's global ones: a
+        // forked process has none of them.
+        let picture = || {
             if session.film().sample_count() == 0 {
                 return Err(Error::input("the render has no samples yet"));
             }
-            let (picture, metadata) = session.install(|| session.snapshot());
+            let (picture, metadata) = session.snapshot();
             let crop = frame_crop(session.film().frame());
             let layers = session.job().layers.clone();
             Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
-        });
+        };
+        let picture = py.detach(|| session.install(picture));
         picture.map_err(|e| error::raise(py, &e))
     }
 
@@ -258,7 +261,14 @@ impl Render {
     }
 
     /// Why the render ended, what the user should know, and what was chosen automatically, as JSON.
-    fn report(&self) -> String {
+    fn report(&self, py: Python<'_>) -> String {
+        let ended = {
+            let state = self.0.lock();
+            state.session.clone().filter(|_| !state.is_running)
+        };
+        let about_picture = py.detach(|| {
+            ended.map(|session| session.install(|| session.statistics().2)).unwrap_or_default()
+        });
         let state = self.0.lock();
         let reason = state.outcome.as_ref().map(|outcome| match outcome.stop_reason {
             StopReason::Finished => "finished",
@@ -268,9 +278,7 @@ impl Render {
             StopReason::Failed => "failed",
         });
         let mut warnings = state.loaded.warnings.clone();
-        if let (Some(session), false) = (&state.session, state.is_running) {
-            warnings.extend(session.statistics().2);
-        }
+        warnings.extend(about_picture);
         let noise = state.outcome.as_ref().and_then(|outcome| outcome.noise);
         warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
         json!({
@@ -399,11 +407,13 @@ impl Shared {
             output: loaded.checkpoint.as_ref().map(|_| recorded()),
             ..SessionOptions::default()
         };
-        let mut session = match checkpoint {
-            Some(checkpoint) => Session::resume(&scene, job, checkpoint, options)?,
-            None => Session::new(&scene, job, options)?,
-        };
-        if let Some(file) = &loaded.checkpoint {
+        let mut session = pool.install(|| match checkpoint {
+            Some(checkpoint) => Session::resume(&scene, job, checkpoint, options),
+            None => Session::new(&scene, job, options),
+        })?;
+        // The thread that saves meanwhile works on rayon's global threads, which a forked process
+        // may lack: there, the samples are saved at the end.
+        if let (Some(file), false) = (&loaded.checkpoint, pool::is_forked()) {
             session.autosave(file.clone(), loaded.output.save_every)?;
         }
         let mut state = self.lock();
@@ -418,7 +428,10 @@ impl Shared {
             (state.session.clone(), state.loaded.checkpoint.clone())
         };
         let Some(session) = session else { return Ok(()) };
-        let outcome = session.run(&())?;
+        // What is done around the samples runs on this one thread, not on rayon's global ones.
+        let around = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let around = around.map_err(|e| Error::input(format!("cannot start a thread: {e}")))?;
+        let outcome = around.install(|| session.run(&()))?;
         if let Some(file) = keep {
             session.install(|| session.write_checkpoint(&file, Some(&outcome)))?;
         }

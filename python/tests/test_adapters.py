@@ -37,7 +37,7 @@ def test_ase() -> None:
 def test_ball_and_stick() -> None:
     scene = ps.from_ase(ase_atoms(), style="ball-and-stick", cell=True)
     beads = scene._describe()["particles"] - 3
-    assert 2 * 7 <= beads <= 2 * 30, "two bonds"
+    assert 2 * 14 <= beads <= 2 * 60, "two bonds"
     assert scene.render(64, 48, **SMALL).width == 64
     with pytest.raises(ValueError, match="needs a column `element`"):
         ps.spheres(WATER, style="ball-and-stick")

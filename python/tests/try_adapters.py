@@ -11,7 +11,7 @@ import numpy as np
 import photosphere as ps
 
 OUT = Path(sys.argv[1])
-RENDER: dict[str, Any] = {"width": 320, "height": 240, "spp": 32, "quiet": True}
+RENDER: dict[str, Any] = {"width": 320, "height": 240, "spp": 16, "quiet": True}
 
 
 def show(name: str, scene: ps.Scene) -> None:
