@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Part", "Render", "merge", "resume"]
 
+#: The process that rendered first. A process that is forked from it cannot render.
+_first_process: int | None = None
+
 #: How long an interrupt waits for the samples that are being rendered, in seconds.
 _PATIENCE = 0.25
 
@@ -40,6 +43,7 @@ class Render:
 
     @classmethod
     def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
+        _check_process()
         words, changes = split(options)
         return cls(_core.Render.start(scene._core, words, changes), scene, options)
 
@@ -329,6 +333,7 @@ def resume(
     Raises:
         Error: The checkpoint is damaged, or the scene has changed.
     """
+    _check_process()
     core_scene = None if scene is None else scene._core
     if isinstance(checkpoint, Part):
         data = bytes(checkpoint)
@@ -338,6 +343,22 @@ def resume(
         os.stat(path)
         core = _core.Render.resume(path, None, core_scene, extend_to, threads)
     return Render(core, scene, {})
+
+
+def _check_process() -> None:
+    """Refuses to render in a process that is forked from one that has rendered.
+
+    Raises:
+        RuntimeError: The render would wait for threads that are in the other process.
+    """
+    global _first_process
+    if _first_process is None:
+        _first_process = os.getpid()
+    elif _first_process != os.getpid():
+        raise RuntimeError(
+            "this process is forked from one that has rendered: start processes by "
+            'multiprocessing.get_context("spawn"), or fork before the first render'
+        )
 
 
 def _seconds(given: Any) -> float:

@@ -71,13 +71,11 @@ def _in_child(queue: multiprocessing.Queue[bytes]) -> None:
     queue.put(np.asarray(scene.render(64, 48, spp=4, quiet=True)).tobytes())
 
 
-@pytest.mark.filterwarnings("ignore:This process")
-@pytest.mark.parametrize("method", ["fork", "spawn"])
-def test_other_processes_render_alike(scene: ps.Scene, method: str) -> None:
+def test_other_processes_render_alike(scene: ps.Scene) -> None:
     here = np.asarray(scene.render(64, 48, spp=4, quiet=True)).tobytes()
     running = scene.start(64, 48, spp=100_000, threads=1)
     running.wait(timeout=0.2)
-    context = multiprocessing.get_context(method)
+    context = multiprocessing.get_context("spawn")
     queue = context.Queue()
     child = context.Process(target=_in_child, args=(queue,))
     child.start()
@@ -95,6 +93,18 @@ def test_a_render_of_the_parent_is_refused(scene: ps.Scene) -> None:
             render.wait()
         except RuntimeError as error:
             os._exit(0 if "process" in str(error) else 1)
+        os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_a_forked_process_refuses_to_render(scene: ps.Scene) -> None:
+    scene.start(64, 48, spp=4).wait()
+    child = os.fork()
+    if child == 0:
+        try:
+            scene.start(64, 48, spp=4)
+        except RuntimeError as error:
+            os._exit(0 if "spawn" in str(error) else 1)
         os._exit(2)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
