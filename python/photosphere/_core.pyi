@@ -2,6 +2,25 @@
 import os
 from typing import Any, final
 
+__all__ = [
+    "COMMIT",
+    "VERSION",
+    "Columns",
+    "Picture",
+    "Render",
+    "Scene",
+    "Spheres",
+    "after_fork",
+    "colormap",
+    "element",
+    "keywords",
+    "main",
+    "merge",
+    "schema",
+    "survey",
+    "ticks",
+]
+
 VERSION: str
 COMMIT: str
 
