@@ -87,8 +87,8 @@ fn write_srgb_header<W: io::Write>(
     Ok(writer)
 }
 
-/// The pixels of a PNG file in 8 bits, row by row: red, green and blue, and alpha if the picture has
-/// it.
+/// The pixels of a PNG file in 8 bits, row by row: red, green and blue, and alpha if the picture
+/// has it.
 pub fn display_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
     let rows = (0..picture.height)
         .step_by(ROWS_PER_TASK)

@@ -47,7 +47,8 @@ pub fn pick(recorded: &Metadata, folder: &Path, [x, y]: [u32; 2]) -> Result<Opti
     Ok(pick_in_scene(&prepared, accel.as_ref(), [x, y]))
 }
 
-/// Finds the sphere in the middle of a pixel of the full picture; `None` if there is the background.
+/// Finds the sphere in the middle of a pixel of the full picture; `None` if there is the
+/// background.
 pub fn pick_in_scene(prepared: &PreparedScene, accel: &dyn Accel, pixel: [u32; 2]) -> Option<Pick> {
     let scene = prepared.scene();
     let [x, y] = pixel.map(|pixel| f64::from(pixel) + 0.5);
