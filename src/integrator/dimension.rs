@@ -32,6 +32,19 @@ pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
     (1 << 30) + 10_000 * depth + passthroughs
 }
 
+/// Connection to the n-th pair of a ball and a light from the vertex at the end of edge `depth`: two
+/// dimensions for the point of the light. Those of the first pair also have one for the choice of
+/// the pair, [`connection_choice`].
+pub(super) fn connection(depth: u32, n: u32) -> u32 {
+    // The depth is below 10 000, n below 8.
+    (7 << 29) + 32 * depth + 4 * n
+}
+
+/// Choice of the pair of a ball and a light at the end of edge `depth`.
+pub(super) fn connection_choice(depth: u32) -> u32 {
+    connection(depth, 0) + 2
+}
+
 /// The dimensions of the vertex at the end of edge `depth`, counted from 1.
 #[derive(Clone, Copy)]
 pub(super) struct VertexDimensions {

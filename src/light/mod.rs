@@ -6,6 +6,7 @@
 //! sampling, such as a constant environment.
 
 mod category;
+mod connected_point;
 mod context;
 mod cut;
 mod emitter;
@@ -18,6 +19,7 @@ mod sphere_tree;
 mod visible_emitter;
 
 pub use category::CategoryPmf;
+pub use connected_point::ConnectedPoint;
 pub use context::LightSampleContext;
 pub use cut::{EmitterCut, EmitterCuts};
 pub use emitter::Emitter;
@@ -34,7 +36,7 @@ use crate::math::{DVec3, NO_SPHERE};
 use category::LightCategory;
 use environment::MapSample;
 use light_sampler::LightSampler;
-use specular::{Caster, PairSampler};
+use specular::{Casters, PairSampler};
 use visible_emitter::VisibleEmitter;
 
 /// All lights of a scene.
@@ -148,8 +150,13 @@ impl Lights {
         &self.environment
     }
 
+    /// Returns true if there is an emitter or a sun for connections to go to.
+    pub fn may_connect(&self) -> bool {
+        !self.is_empty() || self.environment.sun().is_some()
+    }
+
     /// Creates the sampler of pairs of these balls with the emitters and the sun.
-    pub fn pairs_with(&self, casters: &[Caster], spheres: &SphereSet) -> PairSampler {
+    pub fn pairs_with(&self, casters: Casters, spheres: &SphereSet) -> PairSampler {
         let sun = self.environment.sun().map(|sun| sun.beam());
         PairSampler::new(casters, &self.emitters, sun, spheres)
     }

@@ -4,6 +4,7 @@
 mod arrays;
 mod biases;
 mod builder;
+mod casters;
 mod colors;
 mod column_limits;
 mod columns;

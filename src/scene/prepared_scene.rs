@@ -7,10 +7,12 @@ use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
 use crate::light::Lights;
+use crate::light::specular::PairSampler;
 use crate::material::{Medium, Model};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
+use super::casters::find_pairs;
 use super::description;
 use super::light_trap::LightTrap;
 use super::scene::Scene;
@@ -25,6 +27,7 @@ pub struct PreparedScene {
     scene: Scene,
     settings: Settings,
     lights: Lights,
+    connections: Option<PairSampler>,
     camera: Camera,
     filter: Filter,
     /// The dielectric spheres in which a camera ray can start, largest first.
@@ -44,12 +47,14 @@ impl PreparedScene {
             build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
         check_reach(&camera, filter_radius)?;
         let lights = scene.lights(settings.render.light_choice);
+        let connections = find_pairs(scene, &lights, &settings.render);
         let around_camera = find_camera_media(scene, &camera, filter_radius);
         let filter = Filter::new(filter, filter_radius);
         Ok(Self {
             scene: scene.clone(),
             settings,
             lights,
+            connections,
             camera,
             filter,
             light_traps: find_light_traps(scene, &around_camera),
@@ -90,6 +95,12 @@ impl PreparedScene {
     /// The light sampler over all emitters.
     pub fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// The pairs of a polished ball and a light that paths are connected over, if there are any and
+    /// the settings ask for it.
+    pub fn connections(&self) -> Option<&PairSampler> {
+        self.connections.as_ref()
     }
 
     /// The camera.

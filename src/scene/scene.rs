@@ -195,6 +195,11 @@ impl Scene {
         PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
+    /// All materials.
+    pub(super) fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
     /// The material of a sphere.
     pub fn sphere_material(&self, id: u32) -> SphereMaterial<'_> {
         let Surface { material, color, emission } = self.surface(id);

@@ -10,6 +10,7 @@ use crate::scene::settings::PathTermination;
 
 use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
+use super::chain::Chain;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex};
 use super::shade::VertexNumbers;
 
@@ -45,6 +46,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.cross(&path.state, Some(boundary.crossing));
         if !is_passable || fault!(MisRecordLost) {
             path.state.has_prev_vertex = false;
+            path.state.chain = Chain::Other;
         }
         self.continue_straight(path, hit)
     }
@@ -110,6 +112,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.recorder.record(|| PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput });
         let Some(ray) = from.hit.spawn_ray(wi) else { return self.terminate(Termination::Grazing) };
         state.eta_scale *= (eta * eta) as f32;
+        if let Some(pairs) = self.context.prepared.connections() {
+            self.advance_chain(pairs, state, from, sample, wi);
+        }
         state.has_prev_vertex = lobe != Lobe::Delta;
         if state.has_prev_vertex {
             self.prev_vertices[state.batch_index as usize] = PrevVertex::new(from, pdf, lights);

@@ -32,7 +32,33 @@ pub(super) struct ConnectedEmitter {
     pub(super) power: f64,
 }
 
+/// Where an emitter is, seen from a ball.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EmitterPlace {
+    /// Outside of the ball, and not around it.
+    Apart,
+    /// Inside the ball.
+    Inside,
+    /// Touching the surface of the ball, around it, or the ball itself.
+    Elsewhere,
+}
+
 impl ConnectedEmitter {
+    /// Returns where the emitter is, seen from the ball with this id.
+    #[inline]
+    pub(super) fn place(&self, id: u32, ball: &Sphere) -> EmitterPlace {
+        let distance = self.sphere.center.distance(ball.center);
+        if self.id == id {
+            EmitterPlace::Elsewhere
+        } else if distance >= self.sphere.radius + ball.radius {
+            EmitterPlace::Apart
+        } else if distance + self.sphere.radius < ball.radius {
+            EmitterPlace::Inside
+        } else {
+            EmitterPlace::Elsewhere
+        }
+    }
+
     /// Irradiance at a point of a surface that faces the emitter, and the unit direction to it.
     pub(super) fn irradiance(&self, point: DVec3) -> (f64, DVec3) {
         let to_light = self.sphere.center - point;

@@ -14,10 +14,12 @@ use crate::math::DVec3;
 use super::super::context::LightSampleContext;
 use super::super::emitter::Emitter;
 use super::super::light_bounds::{LightBounds, LightItem};
-use super::casters::{Caster, CasterSurface};
+use super::casters::{Caster, CasterSurface, Casters};
+use super::emitter_view::EmitterView;
 use super::focusing::focusing;
-use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight};
+use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight, EmitterPlace};
 use super::pair_trees::PairTrees;
+use super::path_kind::SpecularPath;
 
 /// Up to this many pairs are all tried.
 pub const MAX_PAIRS: usize = 8;
@@ -35,7 +37,7 @@ pub struct CasterPairs {
 /// Selection probabilities of all pairs.
 #[derive(Debug)]
 pub struct PairSampler {
-    casters: Vec<Caster>,
+    casters: Casters,
     emitters: Vec<ConnectedEmitter>,
     /// Direction and irradiance of the sun.
     sun: Option<(DVec3, f64)>,
@@ -53,7 +55,7 @@ impl PairSampler {
     /// Creates the sampler of all pairs of these balls with the emitters and the sun, given by its
     /// direction and irradiance.
     pub fn new(
-        casters: &[Caster],
+        casters: Casters,
         emitters: &[Emitter],
         sun: Option<(DVec3, f64)>,
         spheres: &SphereSet,
@@ -64,18 +66,57 @@ impl PairSampler {
             ConnectedEmitter { id: emitter.id, sphere, power }
         };
         let emitters: Vec<_> = emitters.iter().map(connected).collect();
-        let casters = casters.to_vec();
         let mut sampler = Self { casters, emitters, sun, trees: None };
         if sampler.pair_count() > MAX_FEW {
             let sun = sun.map_or(0.0, |(_, irradiance)| irradiance);
-            sampler.trees = Some(PairTrees::new(&sampler.casters, &sampler.emitters, sun));
+            sampler.trees = Some(PairTrees::new(sampler.casters.all(), &sampler.emitters, sun));
         }
         sampler
     }
 
     /// The balls.
-    pub fn casters(&self) -> &[Caster] {
+    pub fn casters(&self) -> &Casters {
         &self.casters
+    }
+
+    /// Returns the kinds of paths over a ball that lead to a light, from a point that is inside of
+    /// the ball or, outside of it, anywhere: empty if they are left to chance, as with an emitter
+    /// that cuts the ball's surface.
+    #[inline]
+    pub fn kinds(
+        &self,
+        caster: u32,
+        is_inside: bool,
+        light: ConnectedLight,
+    ) -> &'static [SpecularPath] {
+        let Caster { id, ball, surface } = self.casters.all()[caster as usize];
+        let place = match light {
+            ConnectedLight::Emitter(index) => self.emitters[index as usize].place(id, &ball),
+            ConnectedLight::Sun => EmitterPlace::Apart,
+        };
+        match (surface, is_inside, place) {
+            (CasterSurface::Opaque(_), false, EmitterPlace::Apart) => &[SpecularPath::Reflection],
+            (CasterSurface::Dielectric(_), false, EmitterPlace::Apart) => {
+                &SpecularPath::OVER_DIELECTRIC
+            }
+            (CasterSurface::Dielectric(_), false, EmitterPlace::Inside) => &[SpecularPath::Inward],
+            (CasterSurface::Dielectric(_), true, EmitterPlace::Apart) => &[SpecularPath::Outward],
+            _ => &[],
+        }
+    }
+
+    /// Returns an emitter as connections over a ball see it from a point; `None` if it does not
+    /// face the ball.
+    #[inline]
+    pub fn view(&self, caster: u32, emitter: u32, from: DVec3) -> Option<EmitterView> {
+        let Caster { id, ball, .. } = &self.casters.all()[caster as usize];
+        let of = &self.emitters[emitter as usize];
+        match (of.place(*id, ball), self.casters.ior(caster)) {
+            (EmitterPlace::Inside, Some(ior)) => {
+                EmitterView::through_boundary(ball, ior, from, &of.sphere)
+            }
+            _ => EmitterView::from_ball(ball, &of.sphere),
+        }
     }
 
     fn light_count(&self) -> usize {
@@ -83,7 +124,7 @@ impl PairSampler {
     }
 
     fn pair_count(&self) -> usize {
-        self.casters.len().saturating_mul(self.light_count())
+        self.casters.all().len().saturating_mul(self.light_count())
     }
 
     fn light(&self, index: usize) -> ConnectedLight {
@@ -97,7 +138,7 @@ impl PairSampler {
     fn pairs(&self, inside: Option<u32>) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
         let casters = match inside {
             Some(caster) => caster..caster + 1,
-            None => 0..self.casters.len() as u32,
+            None => 0..self.casters.all().len() as u32,
         };
         let lights = 0..self.light_count();
         casters.flat_map(move |caster| lights.clone().map(move |i| (caster, self.light(i))))
@@ -191,14 +232,13 @@ impl PairSampler {
         caster: u32,
         light: ConnectedLight,
     ) -> f64 {
-        let Caster { id, ball, surface } = self.casters[caster as usize];
+        if self.kinds(caster, inside.is_some(), light).is_empty() {
+            return 0.0;
+        }
+        let Caster { ball, surface, .. } = self.casters.all()[caster as usize];
         let (irradiance, towards) = self.irradiance(ball.center, light);
         if inside.is_some() {
             return irradiance;
-        }
-        let is_self = |index: u32| self.emitters[index as usize].id == id;
-        if matches!(light, ConnectedLight::Emitter(index) if is_self(index)) {
-            return 0.0;
         }
         let item = LightItem { sphere: ball, power: 1.0, emitter_index: 0 };
         let falloff = LightBounds::enclosing(ball.center, &[item]).importance(ctx);

@@ -27,6 +27,16 @@ impl SpecularPath {
     pub const OVER_DIELECTRIC: [Self; 3] =
         [Self::Reflection, Self::Through, Self::ThroughReflected];
 
+    /// The number of edges from x to y.
+    #[inline]
+    pub fn edges(self) -> u32 {
+        match self {
+            Self::Reflection | Self::Outward | Self::Inward => 2,
+            Self::Through => 3,
+            Self::ThroughReflected => 4,
+        }
+    }
+
     /// Returns all paths of this kind from x to y over a ball. `ior` is its index of refraction
     /// over that of its surroundings, which reflection does not use.
     #[inline]

@@ -1,16 +1,18 @@
 //! The end of a vertex: its shadow ray and the next edge of its path.
 
+use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::PathRay;
 use crate::light::{CategoryPmf, LightSample, LightSampleContext};
-use crate::material::{BsdfSample, Diffuse, Lobe};
-use crate::math::DVec3;
+use crate::material::{Bsdf, BsdfSample, Diffuse, Lobe};
+use crate::math::{DVec3, Frame};
+use crate::sampling::Hemisphere;
 
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
-use super::super::next_event::LightFactors;
-use super::super::paths::{PathState, StageQueues};
+use super::super::next_event::{LightFactors, Scattering};
+use super::super::paths::{PathState, ShadowQueue, StageQueues};
 use super::super::shade::{SurfaceVertex, VertexNumbers};
 use super::arrive::Arrival;
 use super::light::sample_light_in_lane;
@@ -96,6 +98,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let sample = batch.light.get(lane);
             self.push_light_sample(state, ctx, &sample, factors, None, &mut queues.shadow);
         }
+        if may_scatter {
+            self.connect_diffuse(state, ctx, albedo, &mut queues.shadow);
+        }
         let (direction, pdf) = (batch.bsdf.direction.get(lane), batch.bsdf.pdf.0[lane]);
         if pdf <= 0.0 || !may_scatter {
             return None;
@@ -104,6 +109,22 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let weight = if fault!(CosineTwice) { albedo * cos() } else { albedo };
         let sample = BsdfSample { wi: DVec3::Z, weight, pdf, lobe: Lobe::Diffuse, eta: 1.0 };
         self.continue_lane(state, ctx, &sample, batch, lane)
+    }
+
+    /// Adds the connections of a Lambertian vertex.
+    #[inline(always)]
+    fn connect_diffuse(
+        &mut self,
+        state: &PathState,
+        ctx: &LightSampleContext,
+        albedo: Rgb,
+        shadow_queue: &mut ShadowQueue<'_>,
+    ) {
+        let Some(pairs) = self.context.prepared.connections() else { return };
+        let bsdf = &Bsdf::Diffuse(Diffuse { albedo }, Hemisphere::Cosine);
+        let frame = &Frame::from_z(ctx.hit.facing_normal());
+        let scattering = Scattering { ctx, bsdf, frame, wo: DVec3::Z, crossing: None };
+        self.add_connections(pairs, state, &scattering, shadow_queue);
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use crate::light::{Emitter, LightSampleContext};
 use crate::math::DVec3;
 use crate::sampling::Sampler;
 
-use super::super::{Caster, CasterSurface, ConnectedLight, PairSampler};
+use super::super::{Caster, CasterSurface, Casters, ConnectedLight, PairSampler};
 
 /// Balls and emitters in a unit box.
 fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64)>) -> PairSampler {
@@ -25,7 +25,7 @@ fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64)>) -> PairSampler 
     let casters: Vec<_> = (0..balls).map(caster).collect();
     let emitter = |id| Emitter { id, emission: Rgb::splat(1.0 + id as f32), transmittance: 0.0 };
     let emitters: Vec<_> = (balls..balls + emitters).map(emitter).collect();
-    PairSampler::new(&casters, &emitters, sun, &spheres)
+    PairSampler::new(Casters::find(&casters, &[], &spheres), &emitters, sun, &spheres)
 }
 
 fn contexts() -> impl Iterator<Item = LightSampleContext> {
