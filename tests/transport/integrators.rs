@@ -5,7 +5,7 @@
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::integrator::{
-    PathEvent, PathTrace, RenderContext, SampleAddress, Termination, create,
+    PathEvent, PathTrace, RenderContext, Rival, SampleAddress, Termination, create,
 };
 use photosphere::math::DVec3;
 use photosphere::scene::PreparedScene;
