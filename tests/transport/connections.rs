@@ -220,3 +220,31 @@ fn every_backend_connects_alike() {
         }
     }
 }
+
+/// Variance of a sample's green channel in all pixels and seeds.
+fn variance(kit: &Kit) -> f64 {
+    let samples = f64::from(kit.settings.render.samples_per_pixel);
+    let pictures = kit.pictures(Backend::BruteForce);
+    let values: Vec<f64> = pictures
+        .flat_map(|picture| {
+            (0..picture.len()).map(|i| f64::from(picture.beauty(i).y)).collect::<Vec<_>>()
+        })
+        .collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+    squares / (values.len() - 1) as f64 * samples
+}
+
+/// A lamp of one degree over a mirror ball, and out of a glass ball.
+#[test]
+#[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
+fn a_small_lamp_has_a_three_hundredth_of_the_variance() {
+    for name in ["verify/lamp-over-a-mirror.toml", "verify/lamp-out-of-glass.toml"] {
+        // Chance finds the lamp about once in 1e5 samples.
+        let chance = by_chance(Kit::of_file(name, &["image.width=16", "image.height=16"]));
+        let connected = Kit::of_file(name, &[]).samples(64);
+        let (chance, connected) = (variance(&chance.samples(4096)), variance(&connected));
+        println!("{name}: {:.0} times less", chance / connected);
+        assert!(connected * 300.0 <= chance, "{name}: {connected:.2e} of {chance:.2e}");
+    }
+}

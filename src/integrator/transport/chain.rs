@@ -184,7 +184,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let prev = &self.prev_vertices[state.batch_index as usize];
         let ctx = prev.light_sample_context(self.context.scene.spheres());
-        let pmf = pairs.pmf(&ctx, record.inside(), (record.caster, light));
+        let pair = (record.caster, light);
+        let pmf = pairs.pmf(&ctx, record.inside(), pair);
         let pdf = lights.connection_pdf(
             pairs,
             (record.caster, light),

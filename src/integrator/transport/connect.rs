@@ -4,7 +4,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::specular::{CasterPair, Connection, PairSampler, SpecularPath};
+use crate::light::specular::{CasterPair, CasterPairs, Connection, PairSampler, SpecularPath};
 use crate::light::{ConnectedPoint, LightSource};
 use crate::material::{Medium, MediumStack, fresnel};
 use crate::math::{DVec3, NO_SPHERE};
@@ -40,38 +40,39 @@ struct PairLight<'a> {
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Adds the shadow rays of all connections that can contribute at a vertex.
+    /// Adds the shadow rays of all connections that can contribute at a vertex. `choose` returns the
+    /// pairs to connect, given the ball that the vertex is in.
     #[inline(never)]
     pub(super) fn add_connections(
         &mut self,
-        pairs: &PairSampler,
         state: &PathState,
         scattering: &Scattering<'_>,
+        choose: impl FnOnce(&PairSampler, Option<u32>) -> CasterPairs,
         shadow_queue: &mut ShadowQueue<'_>,
     ) {
+        let Some(pairs) = self.context.prepared.connections() else { return };
         let Some(inside) = self.connection_place(pairs, state) else { return };
         let room = self.integrator.max_depth - state.depth;
         let (sampler, x) = (self.sampler(state), scattering.ctx.hit.point);
-        let choice = sampler.get(dimension::connection_choice(state.depth));
         let lights = self.context.prepared.lights();
         let mut number = 0;
-        for (n, pair) in (0..).zip(pairs.sample(scattering.ctx, inside, choice).iter()) {
+        for pair in choose(pairs, inside).iter() {
             let kinds = pairs.kinds(pair.caster, inside.is_some(), pair.light);
             if kinds.is_empty() {
                 continue;
             }
-            let u = sampler.get_2d(dimension::connection(state.depth, n));
+            let u = sampler.get_2d(dimension::connection(state.depth, pair.n));
             let Some(point) = lights.sample_connected_point(pairs, &pair, x, u) else { continue };
             self.stats.connections += 1;
             let caster = &pairs.casters().all()[pair.caster as usize];
             let ior = pairs.casters().ior(pair.caster).unwrap_or(1.0);
             for &kind in kinds.iter().filter(|kind| kind.edges() <= room) {
-                for connection in kind.connect(&caster.ball, ior, x, point.target).iter() {
+                kind.connect_each(&caster.ball, ior, x, point.target, |connection| {
                     number += 1;
                     let light = PairLight { pair: &pair, point: &point, kind, number };
                     let legs = BallLegs::new(caster.id, &caster.ball);
-                    self.add_connection(state, scattering, &light, legs, connection, shadow_queue);
-                }
+                    self.add_connection(state, scattering, &light, legs, &connection, shadow_queue);
+                });
             }
         }
     }

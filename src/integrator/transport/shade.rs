@@ -3,6 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
+use crate::light::specular::{CasterPairs, PairSampler};
 use crate::light::{CategoryPmf, LightSample, LightSampleContext, LightSource};
 use crate::material::{Crossing, Lobe};
 use crate::math::{DVec3, Frame, renormalize};
@@ -39,6 +40,14 @@ pub(super) trait VertexNumbers {
         context: RenderContext<'_>,
         ctx: &LightSampleContext,
     ) -> (CategoryPmf, Option<LightSample>);
+    /// Chooses the pairs of a polished ball and a light to connect, of all or of those of the ball
+    /// `inside` which the vertex is.
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs;
     /// Two numbers for the BSDF's direction.
     fn direction(&self) -> [f64; 2];
     /// For the selection of the BSDF's lobe.
@@ -61,6 +70,15 @@ impl VertexNumbers for (Sampler, VertexDimensions) {
         let category_pmf = lights.category_pmf(ctx);
         let spheres = context.scene.spheres();
         (category_pmf, lights.sample_by(&category_pmf, spheres, ctx, u_select, u))
+    }
+
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs {
+        pairs.sample(ctx, inside, self.0.get_2d(self.1.connection_choice()))
     }
 
     fn direction(&self) -> [f64; 2] {
@@ -239,9 +257,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             if let Some(light) = light {
                 self.add_light_sample(state, &scattering, light, shadow_queue);
             }
-            if let Some(pairs) = self.context.prepared.connections() {
-                self.add_connections(pairs, state, &scattering, shadow_queue);
-            }
+            let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, &ctx, inside);
+            self.add_connections(state, &scattering, choose, shadow_queue);
         }
         let u = numbers.direction();
         let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };

@@ -15,11 +15,13 @@ pub enum ConnectedLight {
 /// A chosen pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterPair {
+    /// Number among the pairs that are all tried; 0 for a choice of many.
+    pub n: u32,
     /// Index of the ball.
     pub caster: u32,
     /// The light.
     pub light: ConnectedLight,
-    /// Probability of the choice: 1 if all pairs are tried.
+    /// Probability of the choice.
     pub pmf: f64,
 }
 

@@ -1,8 +1,8 @@
 //! The end of a vertex: its shadow ray and the next edge of its path.
 
-use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::PathRay;
+use crate::light::specular::{CasterPairs, PairSampler};
 use crate::light::{CategoryPmf, LightSample, LightSampleContext};
 use crate::material::{Bsdf, BsdfSample, Diffuse, Lobe};
 use crate::math::{DVec3, Frame};
@@ -36,6 +36,19 @@ impl VertexNumbers for LaneNumbers<'_> {
         }
         let sample = (batch.light.pdf.0[lane] > 0.0).then(|| batch.light.get(lane));
         (batch.light.categories[lane], sample)
+    }
+
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs {
+        let Self { batch, lane } = *self;
+        if inside.is_some() || pairs.needs_choice() {
+            return pairs.sample(ctx, inside, VertexBatch::pair(&batch.numbers.connection, lane));
+        }
+        pairs.accepted(batch.pairs.0[lane], ctx.hit.point)
     }
 
     #[inline(always)]
@@ -99,7 +112,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             self.push_light_sample(state, ctx, &sample, factors, None, &mut queues.shadow);
         }
         if may_scatter {
-            self.connect_diffuse(state, ctx, albedo, &mut queues.shadow);
+            self.connect_diffuse(state, ctx, batch, lane, &mut queues.shadow);
         }
         let (direction, pdf) = (batch.bsdf.direction.get(lane), batch.bsdf.pdf.0[lane]);
         if pdf <= 0.0 || !may_scatter {
@@ -117,14 +130,22 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         &mut self,
         state: &PathState,
         ctx: &LightSampleContext,
-        albedo: Rgb,
+        batch: &VertexBatch,
+        lane: usize,
         shadow_queue: &mut ShadowQueue<'_>,
     ) {
         let Some(pairs) = self.context.prepared.connections() else { return };
+        let Vertex { color: albedo, has_arrival, .. } = batch.vertices[lane];
+        // In vacuum, and none of the pairs is worth it.
+        if batch.pairs.0[lane] == 0 && !has_arrival && !pairs.needs_choice() {
+            return;
+        }
         let bsdf = &Bsdf::Diffuse(Diffuse { albedo }, Hemisphere::Cosine);
         let frame = &Frame::from_z(ctx.hit.facing_normal());
         let scattering = Scattering { ctx, bsdf, frame, wo: DVec3::Z, crossing: None };
-        self.add_connections(pairs, state, &scattering, shadow_queue);
+        let numbers = LaneNumbers { batch, lane };
+        let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, ctx, inside);
+        self.add_connections(state, &scattering, choose, shadow_queue);
     }
 
     #[inline(always)]
