@@ -161,6 +161,7 @@ fn choices(args: &ConvergeArgs) -> Vec<Choice> {
     let lists = [
         ("integrator", &args.integrators),
         ("estimator", &args.estimators),
+        ("caustics", &args.caustics),
         ("sampler", &args.samplers),
     ];
     for (key, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
