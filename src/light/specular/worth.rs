@@ -18,7 +18,7 @@ use super::pair::ConnectedEmitter;
 
 /// The saving from which a pair is always connected.
 const CERTAIN: f64 = 10.0;
-/// Pairs of less worth are left to chance.
+/// Pairs of less worth are connected so often: a pair that never is would leave bright pixels.
 const LEAST: f64 = 0.002;
 
 /// Offset between the numbers of two pairs: the golden ratio spreads them evenly.
@@ -108,13 +108,12 @@ impl PairWorth {
             true => focusing(from_ball * self.per_radius, self.towards, self.ior),
             false => self.share,
         };
-        let worth = (share * spread * self.light_gain(x)).min(1.0);
-        if worth >= LEAST { worth } else { 0.0 }
+        (share * spread * self.light_gain(x)).clamp(LEAST, 1.0)
     }
 
     /// Returns the probability at a point inside of the ball, where no other light may arrive.
     pub fn inside(&self, x: DVec3) -> f64 {
-        self.light_gain(x).min(1.0)
+        self.light_gain(x).clamp(LEAST, 1.0)
     }
 
     /// `d^4 / (b^2 R^2)`.
