@@ -364,13 +364,11 @@ impl Scene {
             return Vec::new();
         }
         let emitter = |id| {
-            let material = self.sphere_material(id).material;
-            let emission = material.emission * material.opacity;
-            let transmittance = match material.dielectric() {
-                Some(_) => 0.0,
-                None => 1.0 - material.opacity,
-            };
-            let emitter = Emitter { id, emission, transmittance };
+            let surface = self.sphere_material(id);
+            let emission = surface.material.emission * surface.material.opacity;
+            let [transmittance, far_wall_fraction] =
+                surface.far_wall_fractions(self.spheres.sphere(id).radius);
+            let emitter = Emitter { id, emission, transmittance, far_wall_fraction };
             (emission.max_element() > 0.0).then_some(emitter)
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(emitter).collect()

@@ -113,8 +113,7 @@ mod tests {
     }
 
     fn emitters(ids: impl IntoIterator<Item = u32>) -> Vec<Emitter> {
-        let emitter = |id| Emitter { id, emission: Rgb::ONE, transmittance: 0.0 };
-        ids.into_iter().map(emitter).collect()
+        ids.into_iter().map(|id| Emitter::opaque(id, Rgb::ONE)).collect()
     }
 
     fn ball(x: f64, radius: f64) -> Sphere {

@@ -41,11 +41,7 @@ impl LitScene {
         let emitters = 1..spheres.len() as u32;
         let rows = SphereRows { exact: spheres, table: Vec::new() };
         let spheres = SphereSet::new(rows).expect("few spheres");
-        let emitter = |row| Emitter {
-            id: id_of(&spheres, row),
-            emission: Rgb::splat(row as f32),
-            transmittance: 0.0,
-        };
+        let emitter = |row| Emitter::opaque(id_of(&spheres, row), Rgb::splat(row as f32));
         let lights = Lights::new(emitters.map(emitter).collect(), &spheres, Environment::default());
         let id = id_of(&spheres, 0);
         let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
@@ -123,7 +119,7 @@ impl CutEmitter {
         let exact = vec![ball(0.0, 1.0), ball(-10.0, 105f64.sqrt())];
         let spheres = SphereSet::new(SphereRows { exact, table: vec![] }).expect("few spheres");
         let [id, wall] = [0, 1].map(|row| id_of(&spheres, row));
-        let emitters = [Emitter { id, emission: Rgb::ONE, transmittance: 0.0 }];
+        let emitters = [Emitter::opaque(id, Rgb::ONE)];
         let cuts = EmitterCuts::find(&emitters, &spheres, |sphere| sphere == wall);
         let (kind, environment) = (LightSamplerKind::default(), Environment::default());
         let lights = Lights::with_sampler(
