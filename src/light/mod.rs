@@ -19,7 +19,7 @@ mod visible_emitter;
 
 pub use category::CategoryPmf;
 pub use context::LightSampleContext;
-pub use cut::{EmitterCut, EmitterCuts};
+pub use cut::{EmitterCut, EmitterCuts, Enclosure};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
@@ -109,7 +109,7 @@ impl Lights {
         environment: Arc<Environment>,
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
-        let sampler = LightSampler::new(&emitters, spheres, kind);
+        let sampler = LightSampler::new(&emitters, &cuts, spheres, kind);
         Self { emitters, cuts, sampler, environment }
     }
 

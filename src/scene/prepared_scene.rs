@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
-use crate::light::Lights;
+use crate::light::{Enclosure, Lights};
 use crate::material::{Medium, Model};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
@@ -43,7 +43,8 @@ impl PreparedScene {
         let camera =
             build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
         check_reach(&camera, filter_radius)?;
-        let lights = scene.lights(settings.render.light_choice);
+        let enclosures = find_enclosures(scene, &camera, filter_radius);
+        let lights = scene.lights(settings.render.light_choice, &enclosures);
         let around_camera = find_camera_media(scene, &camera, filter_radius);
         let filter = Filter::new(filter, filter_radius);
         Ok(Self {
@@ -156,6 +157,22 @@ fn find_light_traps(scene: &Scene, camera_media: &[(Sphere, Medium)]) -> Vec<Lig
         let is_smooth = matches!(&material.model, Model::Dielectric(glass) if glass.is_smooth());
         is_smooth && !material.is_emissive()
     };
+/// Finds the opaque spheres in which camera rays may start. They matter only where there are
+/// emitters.
+fn find_enclosures(scene: &Scene, camera: &Camera, margin: f64) -> Vec<Enclosure> {
+    if scene.emitter_count() == 0 {
+        return Vec::new();
+    }
+    let around = |id| {
+        let sphere = scene.spheres().sphere(id);
+        let is_around = camera.may_start_inside(&sphere, margin);
+        let is_certain = is_around && camera.must_start_inside(&sphere, margin);
+        let is_enclosure = is_around && scene.sphere_material(id).is_opaque();
+        is_enclosure.then_some(Enclosure { id, is_certain })
+    };
+    (0..scene.spheres().len() as u32).into_par_iter().filter_map(around).collect()
+}
+
     let ids = camera_media.iter().map(|(_, medium)| medium.sphere);
     let ids = ids.filter(|&id| is_dark_and_smooth(id)).take(MAX_LIGHT_TRAPS);
     ids.filter_map(|id| LightTrap::new(scene.spheres(), id)).collect()

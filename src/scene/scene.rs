@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::color::{PathRadiance, Rgb};
 use crate::error::Result;
 use crate::geometry::SphereSet;
-use crate::light::{Emitter, EmitterCuts, Environment, LightSamplerKind, Lights};
+use crate::light::{Emitter, EmitterCuts, Enclosure, Environment, LightSamplerKind, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
@@ -107,10 +107,13 @@ impl Scene {
         let medium = |id| scene.sphere_material(id).medium(id);
         scene.has_straight_boundaries =
             has_media && straight_boundaries::may_exist(&scene.materials, &scene.spheres, medium);
-        let is_opaque = |id| scene.sphere_material(id).is_opaque();
-        let cuts = EmitterCuts::find(&scene.emitters, &scene.spheres, is_opaque);
-        scene.emitter_cuts = Arc::new(cuts);
+        scene.emitter_cuts = Arc::new(scene.find_emitter_cuts(&[]));
         Ok(scene)
+    }
+
+    fn find_emitter_cuts(&self, enclosures: &[Enclosure]) -> EmitterCuts {
+        let is_opaque = |id| self.sphere_material(id).is_opaque();
+        EmitterCuts::find(&self.emitters, &self.spheres, is_opaque, enclosures)
     }
 
     /// Replaces the description by one that differs only in the folders of its files.
@@ -149,12 +152,17 @@ impl Scene {
         &self.spheres
     }
 
-    /// The light sampler over all emitters, of this kind.
-    pub fn lights(&self, by: LightSamplerKind) -> Lights {
+    /// The light sampler over all emitters, of this kind, given the opaque spheres around the
+    /// camera.
+    pub fn lights(&self, by: LightSamplerKind, enclosures: &[Enclosure]) -> Lights {
+        let cuts = match enclosures.is_empty() {
+            true => Arc::clone(&self.emitter_cuts),
+            false => Arc::new(self.find_emitter_cuts(enclosures)),
+        };
         Lights::with_sampler(
             by,
             Arc::clone(&self.emitters),
-            Arc::clone(&self.emitter_cuts),
+            cuts,
             &self.spheres,
             Arc::clone(&self.background),
         )

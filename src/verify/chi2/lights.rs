@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::color::Rgb;
 use crate::geometry::{Cone, PathRay, Side, Sphere, SphereRows, SphereSet, SurfaceHit};
 use crate::light::{
-    Emitter, EmitterCuts, Environment, LightSample, LightSampleContext, LightSamplerKind,
-    LightSource, Lights,
+    Emitter, EmitterCuts, Enclosure, Environment, LightSample, LightSampleContext,
+    LightSamplerKind, LightSource, Lights,
 };
 use crate::math::{DVec3, Frame, Hit};
 use crate::sampling::{atan2, safe_acos, sin_cos};
@@ -120,7 +120,9 @@ impl CutEmitter {
         let spheres = SphereSet::new(SphereRows { exact, table: vec![] }).expect("few spheres");
         let [id, wall] = [0, 1].map(|row| id_of(&spheres, row));
         let emitters = [Emitter::opaque(id, Rgb::ONE)];
-        let cuts = EmitterCuts::find(&emitters, &spheres, |sphere| sphere == wall);
+        let enclosure = Enclosure { id: wall, is_certain: true };
+        let enclosures: &[Enclosure] = if side == Side::Inside { &[enclosure] } else { &[] };
+        let cuts = EmitterCuts::find(&emitters, &spheres, |sphere| sphere == wall, enclosures);
         let (kind, environment) = (LightSamplerKind::default(), Environment::default());
         let lights = Lights::with_sampler(
             kind,
