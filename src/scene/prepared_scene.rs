@@ -120,9 +120,15 @@ impl PreparedScene {
 
     /// Returns true if light that a sphere totally reflects from inside, at this point and into
     /// this unit direction, is known to hit nothing but that sphere ever after, and so to find no
-    /// light.
-    pub fn is_light_trapped(&self, sphere: u32, point: DVec3, direction: DVec3) -> bool {
-        self.light_traps.iter().any(|trap| trap.holds(sphere, point, direction))
+    /// light. `count` is the number of total reflections in succession, with this one.
+    pub fn is_light_trapped(
+        &self,
+        sphere: u32,
+        point: DVec3,
+        direction: DVec3,
+        count: u16,
+    ) -> bool {
+        self.light_traps.iter().any(|trap| trap.holds(sphere, point, direction, count))
     }
 }
 
@@ -151,12 +157,6 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
     found
 }
 
-fn find_light_traps(scene: &Scene, camera_media: &[(Sphere, Medium)]) -> Vec<LightTrap> {
-    let is_dark_and_smooth = |id| {
-        let material = scene.sphere_material(id).material;
-        let is_smooth = matches!(&material.model, Model::Dielectric(glass) if glass.is_smooth());
-        is_smooth && !material.is_emissive()
-    };
 /// Finds the opaque spheres in which camera rays may start. They matter only where there are
 /// emitters.
 fn find_enclosures(scene: &Scene, camera: &Camera, margin: f64) -> Vec<Enclosure> {
@@ -173,9 +173,20 @@ fn find_enclosures(scene: &Scene, camera: &Camera, margin: f64) -> Vec<Enclosure
     (0..scene.spheres().len() as u32).into_par_iter().filter_map(around).collect()
 }
 
-    let ids = camera_media.iter().map(|(_, medium)| medium.sphere);
-    let ids = ids.filter(|&id| is_dark_and_smooth(id)).take(MAX_LIGHT_TRAPS);
-    ids.filter_map(|id| LightTrap::new(scene.spheres(), id)).collect()
+fn find_light_traps(scene: &Scene, camera_media: &[(Sphere, Medium)]) -> Vec<LightTrap> {
+    let is_dark_and_smooth = |id| {
+        let material = scene.sphere_material(id).material;
+        let is_smooth = matches!(&material.model, Model::Dielectric(glass) if glass.is_smooth());
+        is_smooth && !material.is_emissive()
+    };
+    // Of all media that may be on either side of the surface.
+    let smallest_ior = scene.iors().fold(1.0, f64::min);
+    let largest_ior = scene.iors().fold(1.0, f64::max);
+    let smooth = camera_media.iter().filter(|(_, medium)| is_dark_and_smooth(medium.sphere));
+    let trap = |(_, medium): &(Sphere, Medium)| {
+        LightTrap::new(scene.spheres(), medium.sphere, smallest_ior / largest_ior)
+    };
+    smooth.take(MAX_LIGHT_TRAPS).filter_map(trap).collect()
 }
 
 /// An opaque sphere around the camera.

@@ -258,6 +258,11 @@ impl Scene {
         self.has_media
     }
 
+    /// The indices of refraction of all media.
+    pub(super) fn iors(&self) -> impl Iterator<Item = f64> + '_ {
+        self.materials.iter().filter_map(|material| Some(material.dielectric()?.ior))
+    }
+
     /// Returns true if light may pass some dielectric boundary in a straight line; false only if it
     /// cannot. See [`SphereMaterial::is_straight`].
     pub fn has_straight_boundaries(&self) -> bool {
