@@ -21,7 +21,7 @@ mod visible_emitter;
 pub use category::CategoryPmf;
 pub use connected_point::ConnectedPoint;
 pub use context::LightSampleContext;
-pub use cut::{EmitterCut, EmitterCuts};
+pub use cut::{EmitterCut, EmitterCuts, Enclosure};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
@@ -111,7 +111,7 @@ impl Lights {
         environment: Arc<Environment>,
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
-        let sampler = LightSampler::new(&emitters, spheres, kind);
+        let sampler = LightSampler::new(&emitters, &cuts, spheres, kind);
         Self { emitters, cuts, sampler, environment }
     }
 
@@ -219,10 +219,10 @@ impl Lights {
         mut u: [f64; 2],
     ) -> Option<LightSample> {
         let (index, pmf) = self.sampler.sample(ctx, u_select)?;
-        let Emitter { id, emission, transmittance } = self.emitters[index];
+        let Emitter { id, emission, transmittance, .. } = self.emitters[index];
         let sphere = spheres.sphere(id);
         let visible = VisibleEmitter::new(ctx, id, &sphere, self.cuts.of_emitter(index))?;
-        let far_wall_pmf = visible.far_wall_pmf(transmittance);
+        let far_wall_pmf = visible.far_wall_pmf(&self.emitters[index]);
         let is_far = u[0] < far_wall_pmf;
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         if far_wall_pmf > 0.0 {
@@ -290,7 +290,7 @@ impl Lights {
         let Some(visible) = VisibleEmitter::new(ctx, id, &spheres.sphere(id), cut) else {
             return 0.0;
         };
-        let far_wall_pmf = visible.far_wall_pmf(self.emitters[index].transmittance);
+        let far_wall_pmf = visible.far_wall_pmf(&self.emitters[index]);
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
         visible.pdf(direction) * pmf * wall_pmf
