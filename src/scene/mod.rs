@@ -5,6 +5,7 @@ mod arrays;
 mod biases;
 mod builder;
 mod colors;
+mod column_layers;
 mod column_limits;
 mod columns;
 mod complaint;
@@ -41,6 +42,7 @@ mod validation_errors;
 mod value_types;
 
 pub use builder::{MaterialHandle, SceneBuilder};
+pub use column_layers::ColumnLayers;
 pub use data::{SphereArrays, SphereData};
 pub use description::SceneDescription;
 pub use loaded_particles::LoadedParticles;
