@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn gromacs_names_begin_with_the_element() {
-        for (name, symbol) in [("OW", "O"), ("HW1", "H"), ("CA", "C"), ("CL-", "Cl"), ("1HB", "H")] {
+        for (name, symbol) in [("OW", "O"), ("HW1", "H"), ("CA", "C"), ("CL-", "Cl"), ("1HB", "H")]
+        {
             assert_eq!(of_gromacs_name(name), Element::with_symbol(symbol), "{name}");
         }
         assert_eq!(of_gromacs_name("12"), None);

@@ -26,7 +26,8 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 }
 
 fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
-    let (scene, settings) = read_scene(&args.scene.path, &args.overrides(), Some(&args.studio))?.build()?;
+    let (scene, settings) =
+        read_scene(&args.scene.path, &args.overrides(), Some(&args.studio))?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let address = address(args, &prepared)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);

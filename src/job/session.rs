@@ -185,8 +185,7 @@ impl Session {
         let prepared =
             self.pool.install(|| PreparedScene::new(state.prepared.scene(), job.settings))?;
         let overlay = state.metadata.overlay.clone();
-        let metadata =
-            Metadata { overlay, ..Metadata::new(&prepared, state.metadata.intersector) };
+        let metadata = Metadata { overlay, ..Metadata::new(&prepared, state.metadata.intersector) };
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let format_before = state.film.format();
@@ -285,8 +284,9 @@ impl Session {
         picture
     }
 
-    /// The median CIEDE2000 between the colours of particles in a picture of the session as a screen
-    /// shows them, and those that a colour bar shows; `None` if no particle of a file is seen.
+    /// The median CIEDE2000 between the colours of particles in a picture of the session as a
+    /// screen shows them, and those that a colour bar shows; `None` if no particle of a file is
+    /// seen.
     pub fn color_difference(&self, picture: &Picture, look: &ViewTransform) -> Option<f64> {
         let RenderState { prepared, accel, film, .. } = &*self.state;
         median_difference(prepared, &**accel, film.frame(), picture, look)

@@ -12,8 +12,8 @@ use crate::scene::{PreparedScene, Scene};
 const MAX_PIXELS: usize = 10_000;
 
 /// Median CIEDE2000 between pixels of a picture as shown on a screen and the colours of the
-/// particles in their centres; `None` if none of the pixels that are looked at shows a particle of a
-/// file. About 1 is just noticeable.
+/// particles in their centres; `None` if none of the pixels that are looked at shows a particle of
+/// a file. About 1 is just noticeable.
 pub(super) fn median_difference(
     prepared: &PreparedScene,
     accel: &dyn Accel,

@@ -1,5 +1,5 @@
-//! Columns of a particle file as layers of a picture: each pixel has the number of the particle that
-//! its layer `sphere_id` names.
+//! Columns of a particle file as layers of a picture: each pixel has the number of the particle
+//! that its layer `sphere_id` names.
 
 use std::path::Path;
 

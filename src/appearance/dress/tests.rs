@@ -146,8 +146,7 @@ fn copies_repeat_everything_and_the_cell_grows() {
     assert_eq!((found.copies, found.particle_count()), (6, 24));
     let all = centers(&found);
     let moved: Vec<[f64; 3]> = all[..24].iter().skip(4).step_by(4).copied().collect();
-    let expected =
-        [[1., 1., 11.], [1., 1., 21.], [11., 1., 1.], [11., 1., 11.], [11., 1., 21.]];
+    let expected = [[1., 1., 11.], [1., 1., 21.], [11., 1., 1.], [11., 1., 11.], [11., 1., 21.]];
     assert_eq!(moved, expected);
     assert_eq!(found.cell.map(|cell| cell.volume()), Some(6000.0));
     assert!(found.edges > 100 && all.len() == 24 + found.edges);

@@ -100,12 +100,7 @@ impl ShardPlan {
 
 /// Returns the options that affect the picture, as the user wrote them, and the intersector by
 /// name.
-fn options(
-    args: &PlanArgs,
-    division: Division,
-    settings: &Settings,
-    accel: &str,
-) -> Vec<String> {
+fn options(args: &PlanArgs, division: Division, settings: &Settings, accel: &str) -> Vec<String> {
     let overrides = args.overrides();
     let is_replaced = |key: &str| division == Division::Crop && key == "image.crop";
     let kept = overrides.iter().filter(|given| !is_replaced(&given.key));
@@ -119,7 +114,9 @@ fn options(
         add("--confidence", args.stop.confidence.to_string());
     }
     let has_samples = args.stop.noise.is_some() || args.picture.has_samples();
-    if division == Division::Crop && !has_samples && ParticleFile::is_one(&args.scene.path, &overrides)
+    if division == Division::Crop
+        && !has_samples
+        && ParticleFile::is_one(&args.scene.path, &overrides)
     {
         // Without a number, each crop of a particle file would be rendered until it is good.
         add("--spp", settings.render.samples_per_pixel.to_string());

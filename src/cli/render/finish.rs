@@ -75,8 +75,7 @@ impl RenderFinisher<'_> {
         }
         let picture = OnceLock::new();
         let scene = session.prepared().scene();
-        let shown =
-            || picture.get_or_init(|| self.outputs.with_columns(session.picture(), scene));
+        let shown = || picture.get_or_init(|| self.outputs.with_columns(session.picture(), scene));
         // After a signal somebody waits for the program to exit. But a finished picture has the
         // same bytes whenever the signal came.
         let in_haste = reached.stop_reason == StopReason::Stopped;

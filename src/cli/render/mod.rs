@@ -13,7 +13,9 @@ use crate::error::{Error, Result};
 use crate::job::{Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES};
 use crate::overlay::OverlaySpec;
 use crate::scene::settings::ImageSettings;
-use crate::scene::{CameraEnclosure, ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text};
+use crate::scene::{
+    CameraEnclosure, ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text,
+};
 
 use crate::studio::overlay_spec;
 

@@ -1,9 +1,9 @@
 //! Decimal numbers without an exponent, eight digits at a time.
 //!
 //! Up to 19 digits fit into 64 bits. A number is then mantissa / 10^k, and its nearest f64 follows
-//! from one division if the mantissa is exact in f64, and else from a product with the reciprocal of
-//! 5^k in 128 bits (Lemire, "Number parsing at a gigabyte per second", 2021, and Mushtak and Lemire,
-//! "Fast number parsing without fallback", 2023, who show that this precision suffices).
+//! from one division if the mantissa is exact in f64, and else from a product with the reciprocal
+//! of 5^k in 128 bits (Lemire, "Number parsing at a gigabyte per second", 2021, and Mushtak and
+//! Lemire, "Fast number parsing without fallback", 2023, who show that this precision suffices).
 
 /// Most digits whose number fits into 64 bits.
 const MAX_DIGITS: usize = 19;
@@ -152,13 +152,26 @@ mod tests {
     #[test]
     fn numbers_are_the_nearest_ones_whatever_follows() {
         for text in [
-            "0", "-0.0", "12.5 ", "-3.", ".25,", "9007199254740992", "9007199254740993",
-            "0.000000000000000001", "1234567890123456789", "0.1234567890123456789", "7.x",
-            "99999999999999999.99", "12345678/", "12345678.12345678:", "123456789.0 xxxxxxxxx",
+            "0",
+            "-0.0",
+            "12.5 ",
+            "-3.",
+            ".25,",
+            "9007199254740992",
+            "9007199254740993",
+            "0.000000000000000001",
+            "1234567890123456789",
+            "0.1234567890123456789",
+            "7.x",
+            "99999999999999999.99",
+            "12345678/",
+            "12345678.12345678:",
+            "123456789.0 xxxxxxxxx",
         ] {
             must_be_nearest(text);
         }
-        for text in ["", "-", ".", "-.", "x", "+1", "12345678901234567890", "0.12345678901234567890"]
+        for text in
+            ["", "-", ".", "-.", "x", "+1", "12345678901234567890", "0.12345678901234567890"]
         {
             assert_eq!(short_float(text.as_bytes()), None, "{text}");
         }
