@@ -7,9 +7,10 @@ use std::sync::Arc;
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
-use crate::image_io::{FileFormat, WriteOptions};
+use crate::image_io::{FileFormat, Picture, WriteOptions};
 use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
-use crate::overlay::OverlaySpec;
+use crate::overlay::{LegendSpec, OverlaySpec};
+use crate::scene::{ColumnLayers, Scene};
 
 use super::picture_file::{PictureFile, PictureNotes};
 
@@ -22,6 +23,7 @@ pub(super) struct Outputs {
     dpi: Option<u32>,
     layers: Vec<Aov>,
     overlay: Option<OverlaySpec>,
+    columns: Option<ColumnLayers>,
     with_run: bool,
 }
 
@@ -68,7 +70,7 @@ impl Outputs {
         }
         let OutputSpec { look, dpi, with_run_record: with_run, .. } = *delivery;
         let layers = layers.to_vec();
-        Ok(Self { pictures, part, look, dpi, layers, overlay: None, with_run })
+        Ok(Self { pictures, part, look, dpi, layers, overlay: None, columns: None, with_run })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -96,6 +98,24 @@ impl Outputs {
         self.overlay = overlay;
     }
 
+    /// Returns true if a colour bar or legend is drawn over the pictures.
+    pub(super) fn has_legend(&self) -> bool {
+        self.overlay.as_ref().is_some_and(|overlay| overlay.legend != LegendSpec::Nothing)
+    }
+
+    /// Sets the columns of a particle file that are layers.
+    pub(super) fn set_columns(&mut self, columns: Option<ColumnLayers>) {
+        self.columns = columns;
+    }
+
+    /// Returns a picture of the scene with the columns as layers.
+    pub(super) fn with_columns(&self, mut picture: Picture, scene: &Scene) -> Picture {
+        if let Some(columns) = &self.columns {
+            columns.add_to(&mut picture, scene);
+        }
+        picture
+    }
+
     /// Replaces the layers to write.
     pub(super) fn set_layers(&mut self, layers: &[Aov]) {
         self.layers = layers.to_vec();
@@ -112,6 +132,8 @@ impl Outputs {
         let mut metadata = metadata.clone();
         metadata.run = metadata.run.filter(|_| self.with_run);
         metadata.overlay.clone_from(&self.overlay);
+        metadata.column_layers =
+            self.columns.as_ref().map(|columns| columns.names()).unwrap_or_default();
         let cropped_from = frame_crop(frame);
         let notes = WriteOptions {
             crop_window: cropped_from,
@@ -151,6 +173,16 @@ pub(super) fn refuse_streams(files: &[PathBuf]) -> Result<()> {
     };
     Err(Error::input(format!("`-o {}` names no file", stream.display()))
         .with_help("name a picture, such as -o picture.exr"))
+}
+
+/// Refuses columns of particle files as layers of a picture that is merged from parts.
+///
+/// # Errors
+/// If there are any.
+pub(super) fn refuse_columns(columns: &[String]) -> Result<()> {
+    let Some(column) = columns.first() else { return Ok(()) };
+    let message = format!("there is no layer `{column}` in a picture that is merged from parts");
+    Err(Error::input(message).with_help("`render` has columns of a particle file as layers"))
 }
 
 /// Returns the plain paths.

@@ -74,6 +74,10 @@ impl PictureFile {
             look: (self.is_display_referred() && !usual).then_some(of.notes.view_transform),
             overlay: of.metadata.overlay.clone().filter(|_| self.shows_overlay()),
             layers: self.has_layers().then(|| of.layers.clone()),
+            column_layers: match self.has_layers() {
+                true => of.metadata.column_layers.clone(),
+                false => Vec::new(),
+            },
             ..of.metadata.clone()
         };
         let notes = WriteOptions { metadata: metadata.to_records()?, ..of.notes.clone() };
