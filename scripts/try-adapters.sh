@@ -1,25 +1,21 @@
 #!/usr/bin/env bash
-# Tries the adapters of the Python package on the real packages: ASE, MDAnalysis, OVITO, PyVista and
-# GSD. Needs some 400 MB from a package index, and the wheel (`scripts/run wheel`).
+# Compares particle files that other programs write with what those programs read back: ASE, gsd,
+# MDAnalysis, OVITO, plyfile and vtk of today, from PyPI, with sizes and contents that change.
 #
-#   scripts/try-adapters.sh [FOLDER]     pictures go to FOLDER, target/adapters by default
+#   scripts/try-adapters.sh [FOLDER]
+#
+# It makes a Python environment in FOLDER (default: target/adapters), once.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-folder=target/adapters-python
+folder=${1:-target/adapters}
+program=${PHOTOSPHERE:-target/release/photosphere}
 python=$folder/bin/python
-out=$(realpath -m "${1:-target/adapters}")
-packages=(ase MDAnalysis ovito pyvista gsd numpy)
+packages=(numpy ase gsd MDAnalysis ovito plyfile vtk)
 
-has_packages() {
-    "$python" -c 'import ase, MDAnalysis, ovito, pyvista, gsd' 2>/dev/null
-}
-
-if ! has_packages; then
+if ! "$python" -c 'import numpy, ase, gsd, MDAnalysis, ovito, plyfile, vtk' 2>/dev/null; then
     python3 -m venv "$folder"
     "$python" -m pip --quiet --disable-pip-version-check install "${packages[@]}"
 fi
-"$python" -m pip --quiet --disable-pip-version-check install --no-deps --force-reinstall \
-    target/wheels/photosphere-*.whl
-mkdir -p "$out"
-"$python" python/tests/try_adapters.py "$out"
+[[ -x $program ]] || cargo build --release
+PHOTOSPHERE=$program exec "$python" scripts/try-adapters.py

@@ -1,4 +1,4 @@
-"""Renders what real packages hold; run by scripts/try-adapters.sh, not by pytest."""
+"""Renders what real packages hold; run by scripts/try-python-adapters.sh, not by pytest."""
 
 from __future__ import annotations
 

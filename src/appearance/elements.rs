@@ -1,8 +1,11 @@
 //! The elements of particles.
 
-use crate::particles::{Column, ColumnData, Particles, Role};
+use crate::particles::{Column, ColumnData, Format, Particles, Role};
 
 use super::element::Element;
+
+/// The column with names of atoms.
+pub(super) const ATOM_NAME: &str = "name";
 
 /// The element of each particle, as an index into the distinct kinds.
 pub(super) struct ParticleElements<'a> {
@@ -48,5 +51,35 @@ pub(super) fn particle_elements(particles: &Particles) -> Option<ParticleElement
         let kinds = (0..=118).map(Element::with_number).collect();
         Some(ParticleElements { kinds, codes: Codes::Numbers(column) })
     };
-    labels(Role::Element).or_else(numbers).or_else(|| labels(Role::Type))
+    let names = || {
+        // GROMACS files tell the element by the name of the atom alone.
+        let ColumnData::Text(words) = &particles.column(ATOM_NAME)?.data else { return None };
+        let kinds: Vec<_> = words.names.iter().map(|name| of_gromacs_name(name)).collect();
+        let codes = Codes::Words(&words.codes);
+        Some(ParticleElements { kinds, codes }).filter(|_| particles.format == Format::Gro)
+    };
+    labels(Role::Element).or_else(numbers).or_else(|| labels(Role::Type)).or_else(names)
+}
+
+/// The element of an atom such as `OW`, `HB2` or `CL`: that of its first letter, but for names of
+/// ions.
+fn of_gromacs_name(name: &str) -> Option<&'static Element> {
+    const TWO_LETTERS: [&str; 9] = ["CL", "NA", "MG", "ZN", "BR", "FE", "LI", "CU", "MN"];
+    let letters: String = name.chars().filter(char::is_ascii_alphabetic).collect();
+    let is_ion = TWO_LETTERS.iter().any(|ion| ion.eq_ignore_ascii_case(&letters));
+    Element::with_symbol(letters.get(..if is_ion { 2 } else { 1 })?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gromacs_names_begin_with_the_element() {
+        for (name, symbol) in [("OW", "O"), ("HW1", "H"), ("CA", "C"), ("CL-", "Cl"), ("1HB", "H")]
+        {
+            assert_eq!(of_gromacs_name(name), Element::with_symbol(symbol), "{name}");
+        }
+        assert_eq!(of_gromacs_name("12"), None);
+    }
 }

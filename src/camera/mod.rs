@@ -218,6 +218,32 @@ impl Camera {
         offset.abs() <= radius && distance <= radius + max_start
     }
 
+    /// Returns true if all rays that pass the picture at most `margin` pixels outside start inside
+    /// a sphere. Conservative: may return false although all do, never the reverse.
+    pub fn must_start_inside(&self, sphere: &Sphere, margin: f64) -> bool {
+        let [across, upwards] = self.half_size(margin);
+        // All starts lie within `spread` of a rectangle around `center`.
+        let (center, scale, spread) = match self.model {
+            CameraModel::Perspective { lens, .. } => {
+                let spread = |lens: ThinLens| {
+                    lens.aperture.radius * (1.0 - self.near / lens.focus_distance).abs()
+                };
+                (self.position + self.forward * self.near, self.near, lens.map_or(0.0, spread))
+            }
+            CameraModel::Orthographic { .. } => {
+                (self.position + self.forward * self.near, 1.0, 0.0)
+            }
+            CameraModel::Panoramic { .. } => (self.position, 0.0, self.near),
+        };
+        let reach = |sign: f64| {
+            let (right, up) = (self.right * (across * scale), self.up * (upwards * scale * sign));
+            let farther = (center + right + up).distance(sphere.center);
+            farther.max((center - right + up).distance(sphere.center)) + spread
+        };
+        let reach = reach(1.0).max(reach(-1.0));
+        reach + 1e-12 * (reach + self.max_start_distance(margin)) < sphere.radius
+    }
+
     /// Spawns a ray that starts at depth `near`, in a direction whose component along the view axis
     /// is 1.
     #[inline(always)]
@@ -229,10 +255,13 @@ impl Camera {
 
     /// Returns half the diagonal of a picture extended by `margin` pixels on each side.
     fn half_diagonal(&self, margin: f64) -> f64 {
-        let axis =
-            |axis: usize| self.half_extent[axis] * (1.0 + 2.0 * margin / self.resolution[axis]);
-        let (across, upwards) = (axis(0), axis(1));
+        let [across, upwards] = self.half_size(margin);
         (across * across + upwards * upwards).sqrt()
+    }
+
+    /// Returns half the width and height of a picture extended by `margin` pixels on each side.
+    fn half_size(&self, margin: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.half_extent[axis] * (1.0 + 2.0 * margin / self.resolution[axis]))
     }
 }
 

@@ -79,6 +79,38 @@ fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
 }
 
 #[test]
+fn a_sphere_in_which_all_rays_must_start_contains_the_start_of_each() {
+    let margin = 3.0;
+    for model in EVERY {
+        for near in [0.0, 2.0] {
+            let camera = camera(model, near);
+            let starts: Vec<DVec3> = (0..1000)
+                .map(|i| {
+                    let sampler = Sampler::independent(1, i, 0);
+                    // Also at the corners.
+                    let place = |u: f64| (1.2 * u - 0.1).clamp(0.0, 1.0);
+                    let x = -3.0 + 206.0 * place(sampler.get(0));
+                    let y = -3.0 + 106.0 * place(sampler.get(1));
+                    let ray = camera.generate_ray(x, y, sampler.get_2d(2));
+                    ray.at(ray.t_min)
+                })
+                .collect();
+            for center in [DVec3::new(0.0, 0.0, 4.0), DVec3::new(-40.0, 7.0, 1.0)] {
+                let farthest =
+                    starts.iter().map(|start| start.distance(center)).fold(0.0, f64::max);
+                let holds = |radius| camera.must_start_inside(&Sphere { center, radius }, margin);
+                assert!(!holds(farthest * (1.0 - 1e-9)), "{model:?} {near}");
+                // A lens and a panorama are bounded by a ball around each start.
+                assert!(holds(farthest + 1.2), "{model:?} {near}");
+                let is_exact =
+                    model == PINHOLE || matches!(model, CameraModel::Orthographic { .. });
+                assert!(!is_exact || holds(farthest * (1.0 + 1e-9) + 1e-9), "{model:?} {near}");
+            }
+        }
+    }
+}
+
+#[test]
 fn rays_through_a_lens_meet_where_it_is_focused() {
     let (sharp, pinhole) = (camera(thin_lens(0.7, 4.0), 0.0), camera(PINHOLE, 0.0));
     for (x, y) in [(100.0, 50.0), (0.0, 0.0), (13.0, 87.0)] {

@@ -9,12 +9,13 @@ use crate::error::{Error, Result};
 use crate::image_io::{self, AtomicFile, BEAUTY};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
 use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings};
-use crate::scene::{Override, Settings, read_file};
+use crate::scene::{Override, Settings};
 use crate::verify::converge::{ErrorMetric, Reference, ReferenceSource, Series, Study, Variant};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
 use super::exit::Exit;
+use super::particle_file::read_scene;
 use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
 use super::{interrupt, print};
@@ -104,7 +105,7 @@ fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     }
     let samples = args.samples(step);
     let overrides = overrides(args, &choices[0].overrides, samples.first().copied());
-    let (scene, own) = read_file(&args.scene.path, &overrides)?.build()?;
+    let (scene, own) = read_scene(&args.scene.path, &overrides, None)?.build()?;
     let own_integrator = own.render.integrator.kind().name();
     let variant = |choice: Choice| {
         let of = |&count: &u32| settings(args, &choice.overrides, Some(count));
@@ -161,6 +162,7 @@ fn choices(args: &ConvergeArgs) -> Vec<Choice> {
     let lists = [
         ("integrator", &args.integrators),
         ("estimator", &args.estimators),
+        ("caustics", &args.caustics),
         ("sampler", &args.samplers),
     ];
     for (key, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
@@ -190,7 +192,7 @@ fn chosen(key: &str, name: &str) -> Override {
 }
 
 fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
-    Ok(read_file(&args.scene.path, &overrides(args, chosen, samples))?.settings)
+    Ok(read_scene(&args.scene.path, &overrides(args, chosen, samples), None)?.settings)
 }
 
 /// Returns the overrides of the scene. `--set` comes last and wins.

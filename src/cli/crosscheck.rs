@@ -16,9 +16,10 @@ use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
+use super::interrupt;
+use super::particle_file::read_scene;
 use super::print::{self, row};
 use super::system::on_threads;
-use super::{interrupt, scene_file};
 
 /// Up to this many spheres, brute force is fast enough for a few thousand rays.
 const FEW_SPHERES: usize = 1000;
@@ -36,7 +37,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     // Created first, because the check takes a while.
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
-    let (scene, settings) = scene_file::read(&args.scene.path, &args.scene.overrides())?.build()?;
+    let (scene, settings) = read_scene(&args.scene.path, &args.scene.overrides(), None)?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };

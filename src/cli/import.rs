@@ -23,7 +23,7 @@ pub(super) fn run(args: &ImportArgs) -> Result<Exit> {
     }
     interrupt::listen();
     let overrides = args.overrides();
-    let file = ParticleFile { path: &args.path, overrides: &overrides, quiet: false };
+    let file = ParticleFile { path: &args.path, overrides: &overrides };
     let options = args.studio.options();
     let folder = args.output.parent().unwrap_or(Path::new("")).to_path_buf();
     let reference = reference(&args.path, &folder);

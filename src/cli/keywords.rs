@@ -160,7 +160,7 @@ impl KeywordRender {
                 read_file(&path, &overrides)?
             }
             SceneInput::File(path) => {
-                let file = ParticleFile { path: &path, overrides: &overrides, quiet: true };
+                let file = ParticleFile { path: &path, overrides: &overrides };
                 return file.import(&self.0.studio).map(OpenedScene::from);
             }
             SceneInput::Text { name, text, folder, tables } => {

@@ -18,6 +18,7 @@ use super::{interrupt, print};
 pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     let files: Vec<_> = args.output.files.iter().map(|file| ("-o", file.as_path())).collect();
     outputs::refuse_duplicate_paths(&files)?;
+    outputs::refuse_columns(&args.output.columns())?;
     let layers = args.output.has_layers().then(|| args.output.kinds());
     let given = layers.as_deref().unwrap_or_default();
     let (spec, format) = (args.output.output_spec(), args.stdout.format);
@@ -59,11 +60,12 @@ fn write(
     Ok(())
 }
 
-fn write_pictures(merged: &MergedRender, outputs: &Outputs) -> Result<()> {
+fn write_pictures(merged: &MergedRender, outputs: &mut Outputs) -> Result<()> {
     if !outputs.has_pictures() {
         return Ok(());
     }
     let picture = merged.picture()?;
+    outputs.set_overlay(merged.metadata.overlay.clone());
     let notes = outputs.notes(merged.film.frame(), &merged.metadata, false);
     outputs.pictures().iter().try_for_each(|file| file.write(None, &picture, &notes))
 }

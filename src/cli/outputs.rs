@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
-use crate::image_io::FileFormat;
+use crate::image_io::{FileFormat, Picture};
 use crate::job::{FilePath, Metadata, OutputSpec, PictureRecord, frame_crop};
-use crate::overlay::OverlaySpec;
+use crate::overlay::{LegendSpec, OverlaySpec};
+use crate::scene::{ColumnLayers, Scene};
 
 use super::picture_file::PictureFile;
 
@@ -19,6 +20,7 @@ pub(super) struct Outputs {
     part: Option<PathBuf>,
     layers: Vec<Aov>,
     overlay: Option<OverlaySpec>,
+    columns: Option<ColumnLayers>,
     spec: OutputSpec,
 }
 
@@ -64,7 +66,7 @@ impl Outputs {
             refuse_look_without_screen(delivery, &pictures)?;
         }
         let (layers, spec) = (layers.to_vec(), delivery.clone());
-        Ok(Self { pictures, part, layers, overlay: None, spec })
+        Ok(Self { pictures, part, layers, overlay: None, columns: None, spec })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -92,6 +94,24 @@ impl Outputs {
         self.overlay = overlay;
     }
 
+    /// Returns true if a colour bar or legend is drawn over the pictures.
+    pub(super) fn has_legend(&self) -> bool {
+        self.overlay.as_ref().is_some_and(|overlay| overlay.legend != LegendSpec::Nothing)
+    }
+
+    /// Sets the columns of a particle file that are layers.
+    pub(super) fn set_columns(&mut self, columns: Option<ColumnLayers>) {
+        self.columns = columns;
+    }
+
+    /// Returns a picture of the scene with the columns as layers.
+    pub(super) fn with_columns(&self, mut picture: Picture, scene: &Scene) -> Picture {
+        if let Some(columns) = &self.columns {
+            columns.add_to(&mut picture, scene);
+        }
+        picture
+    }
+
     /// Replaces the layers to write.
     pub(super) fn set_layers(&mut self, layers: &[Aov]) {
         self.layers = layers.to_vec();
@@ -106,7 +126,10 @@ impl Outputs {
         quickly: bool,
     ) -> PictureRecord {
         let (overlay, crop) = (self.overlay.as_ref(), frame_crop(frame));
-        PictureRecord::new(metadata, &self.layers, crop, overlay, &self.spec).fast(quickly)
+        let columns = self.columns.as_ref().map(|columns| columns.names()).unwrap_or_default();
+        PictureRecord::new(metadata, &self.layers, crop, overlay, &self.spec)
+            .with_columns(columns)
+            .fast(quickly)
     }
 }
 
@@ -136,6 +159,16 @@ pub(super) fn refuse_streams(files: &[PathBuf]) -> Result<()> {
     };
     Err(Error::input(format!("`-o {}` names no file", stream.display()))
         .with_help("name a picture, such as -o picture.exr"))
+}
+
+/// Refuses columns of particle files as layers of a picture that is merged from parts.
+///
+/// # Errors
+/// If there are any.
+pub(super) fn refuse_columns(columns: &[String]) -> Result<()> {
+    let Some(column) = columns.first() else { return Ok(()) };
+    let message = format!("there is no layer `{column}` in a picture that is merged from parts");
+    Err(Error::input(message).with_help("`render` has columns of a particle file as layers"))
 }
 
 /// Returns the plain paths.

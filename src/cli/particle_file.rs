@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::particles::{ReadRequest, survey};
-use crate::scene::Override;
+use crate::scene::{Override, SceneFile};
 use crate::studio::{Import, StudioOptions, import};
 
+use super::args::StudioArgs;
 use super::print;
-use super::scene_file::is_stdin;
+use super::scene_file::{self, is_stdin};
 
 /// The key by which an option chooses the format of a particle file.
 const FORMAT_KEY: &str = "particles.0.format";
@@ -48,7 +49,6 @@ const ENDINGS: [&str; 27] = [
 pub(super) struct ParticleFile<'a> {
     pub(super) path: &'a Path,
     pub(super) overrides: &'a [Override],
-    pub(super) quiet: bool,
 }
 
 impl ParticleFile<'_> {
@@ -79,11 +79,7 @@ impl ParticleFile<'_> {
     pub(super) fn import(&self, options: &StudioOptions) -> Result<Import> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let name = self.path.file_name().map_or(self.path, Path::new);
-        let import = self.import_from(name, folder, options)?;
-        if !self.quiet {
-            tell(&import);
-        }
-        Ok(import)
+        self.import_from(name, folder, options)
     }
 
     /// Makes a scene of the file, which the scene names `reference` from `folder`.
@@ -99,6 +95,24 @@ impl ParticleFile<'_> {
         let name = self.path.display().to_string();
         import(&name, reference, folder, options, self.overrides)
     }
+}
+
+/// Reads a scene, or makes one of a particle file, for a command that reads it several times or
+/// prints something else: automatic choices are not printed.
+///
+/// # Errors
+/// If the file cannot be read, has mistakes, or an option is wrong for it.
+pub(super) fn read_scene(
+    path: &Path,
+    overrides: &[Override],
+    studio: Option<&StudioArgs>,
+) -> Result<SceneFile> {
+    if !ParticleFile::is_one(path, overrides) {
+        refuse_options(path, studio.and_then(StudioArgs::first_given))?;
+        return scene_file::read(path, overrides);
+    }
+    let options = studio.map_or_else(StudioOptions::default, StudioArgs::options);
+    Ok(ParticleFile { path, overrides }.import(&options)?.scene)
 }
 
 /// Prints what was chosen automatically, as the options that would fix it.

@@ -53,7 +53,7 @@ fn file_row(table: &ParticleTable, folder: &Path, row: u32) -> Result<Option<Fil
     let mut table = table.clone();
     table.path = folder.join(table.path);
     table.topology = table.topology.map(|file| folder.join(file));
-    let Some(row) = table.row_in_file(row)? else { return Ok(None) };
+    let Some(row) = table.file_rows()?.row_in_file(row) else { return Ok(None) };
     let particles = read(&table.path, &table.request(Wanted::All))?;
     Ok(Some(FileRow { file: table.path, row, particles }))
 }

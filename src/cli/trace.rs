@@ -10,8 +10,9 @@ use crate::task::CancelToken;
 
 use super::args::TraceArgs;
 use super::exit::Exit;
+use super::particle_file::read_scene;
 use super::system::on_threads;
-use super::{interrupt, print, scene_file};
+use super::{interrupt, print};
 
 /// Runs the command.
 ///
@@ -25,7 +26,8 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 }
 
 fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
-    let (scene, settings) = scene_file::read(&args.scene.path, &args.overrides())?.build()?;
+    let (scene, settings) =
+        read_scene(&args.scene.path, &args.overrides(), Some(&args.studio))?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let address = address(args, &prepared)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);

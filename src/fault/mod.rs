@@ -98,6 +98,9 @@ registry! {
     InsideEmitterPdfWithoutCosine: "inside an emitter, the pdf lacks the cosine",
     ConnectionSideSwapped: "a specular connection bends around the wrong side of the ball",
     ConnectionRootMissing: "only the first root of a specular connection is found",
+    ConnectionEtaSquaredMissing: "a connection into or out of glass keeps its radiance",
+    ConnectionFresnelMissing: "a connection over glass loses nothing to Fresnel's equations",
+    ConnectionMisForgotten: "light found by chance over a ball has the MIS weight 1",
     // Camera and film
     PixelCornerForCenter: "pixel coordinates start at the centre instead of the corner",
     FirstBlockDropped: "the first block of samples is counted but not added",

@@ -82,6 +82,17 @@ impl Cap {
         self.height
     }
 
+    /// Returns a sphere around this cap of a sphere, no larger than the sphere itself: around the
+    /// rim if the cap is less than half of it.
+    pub fn bounds(&self, sphere: &Sphere) -> Sphere {
+        if self.height >= 1.0 {
+            return *sphere;
+        }
+        let sin_rim = (self.height * (2.0 - self.height)).sqrt();
+        let center = sphere.center + self.axis * ((1.0 - self.height) * sphere.radius);
+        Sphere { center, radius: sin_rim * sphere.radius }
+    }
+
     /// Returns this cap of a sphere as seen from a point outside that sphere.
     #[inline(always)]
     pub fn seen_from(&self, point: DVec3, sphere: &Sphere) -> VisibleCap {
@@ -242,6 +253,26 @@ mod tests {
                 }
                 assert!(visible > 0 || offset.dot(rim) < 0.0);
             }
+        }
+    }
+
+    #[test]
+    fn the_bounds_of_a_cap_contain_it_and_are_no_larger_than_the_sphere() {
+        let sphere = Sphere { center: DVec3::new(3.0, -2.0, 5.0), radius: 2.0 };
+        for height in [1e-6, 0.1, 0.9, 1.0, 1.1, 2.0] {
+            let cap = Cap { axis: DVec3::new(0.6, 0.0, -0.8), height };
+            let bounds = cap.bounds(&sphere);
+            assert!(bounds.radius <= sphere.radius);
+            let across = cap.axis.any_orthonormal_vector();
+            let farthest = (0..=1000)
+                .map(|i| {
+                    let below = height * f64::from(i) / 1000.0;
+                    let sin = (below * (2.0 - below)).sqrt();
+                    let normal = cap.axis * (1.0 - below) + across * sin;
+                    (sphere.center + normal * sphere.radius).distance(bounds.center)
+                })
+                .fold(0.0, f64::max);
+            assert_relative_eq!(farthest, bounds.radius, max_relative = 1e-9);
         }
     }
 

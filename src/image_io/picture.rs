@@ -71,7 +71,7 @@ impl Picture {
     }
 
     /// The beauty of a pixel, for formats without infinity and NaN.
-    pub(super) fn finite_beauty(&self, pixel: usize) -> Rgb {
+    pub(crate) fn finite_beauty(&self, pixel: usize) -> Rgb {
         let beauty = self.beauty(pixel);
         if beauty.is_nan() {
             return Rgb::new(1.0, 0.0, 1.0);

@@ -32,6 +32,14 @@ pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
     (1 << 30) + 10_000 * depth + passthroughs
 }
 
+/// Connection to the n-th pair of a ball and a light from the vertex at the end of edge `depth`: two
+/// dimensions for the point of the light. Those of the first pair also have two for the choice of
+/// pairs, [`VertexDimensions::connection_choice`].
+pub(super) fn connection(depth: u32, n: u32) -> u32 {
+    // The depth is below 10 000, n below 8. Unused lanes may pass any depth.
+    32u32.wrapping_mul(depth).wrapping_add((7 << 29) + 4 * n)
+}
+
 /// The dimensions of the vertex at the end of edge `depth`, counted from 1.
 #[derive(Clone, Copy)]
 pub(super) struct VertexDimensions {
@@ -72,6 +80,11 @@ impl VertexDimensions {
     /// Light selection.
     pub(super) fn light_selection(self) -> u32 {
         self.base + 6
+    }
+
+    /// Choice of the pairs of a ball and a light: two dimensions.
+    pub(super) fn connection_choice(self) -> u32 {
+        connection(self.base / Self::STRIDE, 0) + 2
     }
 
     /// Opacity test.

@@ -21,6 +21,8 @@ pub struct RenderStats {
     pub rays: u64,
     /// Paths cut off at the hard path length limit.
     pub truncated_paths: u64,
+    /// Connections tried over polished balls.
+    pub connections: u64,
 }
 
 impl RenderStats {
@@ -44,6 +46,7 @@ impl std::ops::Add for RenderStats {
         Self {
             rays: self.rays + other.rays,
             truncated_paths: self.truncated_paths + other.truncated_paths,
+            connections: self.connections + other.connections,
         }
     }
 }

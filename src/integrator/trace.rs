@@ -7,6 +7,7 @@
 
 use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
+use crate::light::specular::{Connection, SpecularPath};
 use crate::light::{LightSample, LightSource};
 use crate::material::Lobe;
 use crate::math::DVec3;
@@ -36,6 +37,16 @@ pub struct Contribution {
     pub clamp: f32,
     /// True if it goes to the direct layer, false for the indirect layer.
     pub is_direct: bool,
+}
+
+/// A technique that could have found the same light as BSDF sampling, with its pdf; 0 if it could
+/// not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rival {
+    /// Light sampling, which would have sampled the same direction.
+    LightSample(f64),
+    /// A connection over the ball that the path has met.
+    Connection(f64),
 }
 
 /// One event of a path. Directions are in world space; points are relative to the spheres' origin.
@@ -78,12 +89,12 @@ pub enum PathEvent {
         source: LightSource,
         /// `Le`, times the emitter's opacity.
         radiance: Rgb,
-        /// Pdf with which the direction was sampled; `None` from the camera and after a delta lobe,
-        /// which light sampling cannot replace.
+        /// Pdf with which the direction was sampled, times the probabilities of the choices at a
+        /// ball since; `None` from the camera and after delta lobes that nothing can replace.
         pdf: Option<f64>,
-        /// Pdf with which light sampling would have sampled the direction.
-        pdf_light: f64,
-        /// MIS weight of BSDF sampling against light sampling.
+        /// What else could have found this light.
+        rival: Rival,
+        /// MIS weight of BSDF sampling against it.
         weight: f32,
         /// Throughput times radiance times weight.
         contribution: Contribution,
@@ -113,8 +124,39 @@ pub enum PathEvent {
         /// MIS weight of light sampling against BSDF sampling.
         weight: f64,
     },
-    /// The result of the shadow ray of the last light sample.
+    /// A connection to a light over a polished ball. It contributes only if a later
+    /// [`PathEvent::ShadowRay`] with its number is unoccluded.
+    Connection {
+        /// Number of the connection at this vertex, from 1.
+        number: u8,
+        /// Id of the ball.
+        caster: u32,
+        /// The way over the ball.
+        kind: SpecularPath,
+        /// The light: an emitter, or the sun.
+        source: LightSource,
+        /// Points, directions and spread.
+        connection: Connection,
+        /// The radiance `Le` that the light emits.
+        radiance: Rgb,
+        /// What the ball multiplies it by: reflectance, or Fresnel factors, absorption and the
+        /// change of radiance between media.
+        transmittance: Rgb,
+        /// BSDF value for the connection's direction.
+        f: Rgb,
+        /// `|cos wi|`.
+        cos: f64,
+        /// Pdf of the connection per solid angle at the vertex, times the probability of the pair.
+        pdf: f64,
+        /// Pdf with which BSDF sampling would have found this path.
+        pdf_chance: f64,
+        /// MIS weight of the connection against BSDF sampling.
+        weight: f64,
+    },
+    /// The result of the shadow ray of a light sample, or of those along a connection.
     ShadowRay {
+        /// 0 for the light sample at the last vertex; the number of a connection otherwise.
+        connection: u8,
         /// Fraction of light that passes: 1 if unoccluded, 0 behind an opaque surface, otherwise
         /// the product of 1 minus opacity over the surfaces in between, and of the transmittances
         /// of the media if light can enter them in a straight line.

@@ -6,7 +6,9 @@ use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 
 use super::profile::{StageClock, StageProfile};
-use super::transport::{CameraRayBatch, PathQueue, PrevVertex, ShadowRays, VertexBatches};
+use super::transport::{
+    CameraRayBatch, ChainRecord, PathQueue, PrevVertex, ShadowRays, VertexBatches,
+};
 
 /// Scratch memory that one thread reuses for every batch.
 #[derive(Default)]
@@ -20,6 +22,8 @@ pub struct Workspace {
     pub(super) shadow_rays: ShadowRays,
     pub(super) samplers: Vec<Sampler>,
     pub(super) prev_vertices: Vec<PrevVertex>,
+    /// Only used in scenes with connections.
+    pub(super) chain_records: Vec<ChainRecord>,
     /// The media that each sample's path is in; empty in scenes without dielectrics.
     pub(super) media: Vec<MediumStack>,
     /// The media that shadow rays start in, in scenes with surfaces that they may pass.

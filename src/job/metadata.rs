@@ -69,6 +69,9 @@ pub struct Metadata {
     /// The AOVs, in formats that store them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<Vec<Aov>>,
+    /// Columns of the particle file that are layers, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub column_layers: Vec<String>,
     /// The files of the scene, as the scene names them, with the hashes of their values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileHash>,
@@ -144,6 +147,7 @@ impl Metadata {
             look: None,
             overlay: None,
             layers: None,
+            column_layers: Vec::new(),
             files: relative_files(scene),
             scene: embedded_description(scene),
             run: None,
@@ -266,7 +270,7 @@ pub(super) fn job_identity(settings: &Settings, intersector: Backend) -> Content
         _ => 1,
     };
     set_sample_count(&mut settings, samples);
-    let canonical = CanonicalJob { encoding: 4, version: VERSION, intersector, settings };
+    let canonical = CanonicalJob { encoding: 5, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
     ContentHash::of_bytes(&bytes.expect("plain values with string keys serialize to JSON"))
 }

@@ -32,6 +32,7 @@ mod samples;
 pub mod save;
 mod save_request;
 mod session;
+mod shown_colors;
 mod spec;
 
 pub use adaptive::{

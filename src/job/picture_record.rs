@@ -43,6 +43,13 @@ impl PictureRecord {
         Self { options, metadata, layers: layers.to_vec() }
     }
 
+    /// Names the columns of the scene's tables that are layers of the picture, too.
+    #[must_use]
+    pub fn with_columns(mut self, names: Vec<String>) -> Self {
+        self.metadata.column_layers = names;
+        self
+    }
+
     /// Favours writing speed over file size.
     #[must_use]
     pub fn fast(mut self, fast: bool) -> Self {
@@ -62,6 +69,10 @@ impl PictureRecord {
             look: (format.is_display_referred() && !is_usual).then_some(options.view_transform),
             overlay: metadata.overlay.clone().filter(|_| shows_overlay),
             layers: format.has_layers().then(|| layers.clone()),
+            column_layers: match format.has_layers() {
+                true => metadata.column_layers.clone(),
+                false => Vec::new(),
+            },
             ..metadata.clone()
         };
         Ok(WriteOptions { metadata: metadata.to_records()?, ..options.clone() })

@@ -166,6 +166,7 @@ mod tests {
             look: None,
             overlay: None,
             layers: None,
+            column_layers: Vec::new(),
             files: Vec::new(),
             scene: None,
             run: None,

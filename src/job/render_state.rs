@@ -177,10 +177,10 @@ impl RenderState {
         self.previous.seconds
     }
 
-    /// Statistics of this session and earlier ones.
+    /// Statistics of this session and earlier ones; connections of this one alone.
     pub(super) fn stats(&self) -> RenderStats {
         let CumulativeStats { rays, truncated_paths, .. } = self.previous;
-        self.counters.stats() + RenderStats { rays, truncated_paths }
+        self.counters.stats() + RenderStats { rays, truncated_paths, connections: 0 }
     }
 
     pub(super) fn estimate_error(&self) -> Option<f64> {
@@ -224,7 +224,7 @@ impl RenderState {
                 missed_targets: outcome.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
             }
         });
-        let RenderStats { rays, truncated_paths } = self.stats();
+        let RenderStats { rays, truncated_paths, .. } = self.stats();
         let scene = self.prepared.scene();
         let source = scene.source().map(|source| {
             let mut source = source.clone();

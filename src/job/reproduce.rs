@@ -8,7 +8,7 @@ use crate::error::{Error, Result, Suggestion};
 use crate::film::{Aov, Film, FilmFormat, FilmFrame, Layer};
 use crate::image_io;
 use crate::image_io::Picture;
-use crate::scene::{PreparedScene, Scene};
+use crate::scene::{ColumnLayers, PreparedScene, Scene};
 use crate::task::CancelToken;
 
 use super::aovs::develop;
@@ -83,7 +83,11 @@ pub fn reproduce(
         samples_done: AtomicU64::new(0),
     };
     let film = reproducer.film(recorded)?;
-    let picture = develop(&prepared, accel.as_ref(), &film, &layers);
+    let mut picture = develop(&prepared, accel.as_ref(), &film, &layers);
+    if let (names @ [_, ..], Some(recorded)) = (&recorded.column_layers[..], &recorded.scene) {
+        ColumnLayers::of_description(recorded, &options.folder, names)?
+            .add_to(&mut picture, &scene);
+    }
     Ok(Reproduction { picture, film, metadata: Metadata::new(&prepared, backend) })
 }
 

@@ -9,9 +9,11 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::accel::{Accel, Backend, BuildOptions};
+use crate::color::ViewTransform;
 use crate::error::{Error, Result, Suggestion};
 use crate::film::{Film, FilmFormat};
 use crate::image_io::{AtomicFile, Picture};
+use crate::overlay::OverlaySpec;
 use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
@@ -26,6 +28,7 @@ use super::progressive::Counters;
 use super::render_state::RenderState;
 use super::resume;
 use super::save_request::SaveRequest;
+use super::shown_colors::median_difference;
 use super::spec::Job;
 
 /// A render session, which owns everything it needs.
@@ -50,6 +53,8 @@ pub struct SessionOptions {
     pub output: Option<OutputSpec>,
     /// The shell-quoted command line, to be recorded in files.
     pub command: Option<String>,
+    /// What is drawn over the picture, to be recorded in checkpoints.
+    pub overlay: Option<OverlaySpec>,
 }
 
 impl Session {
@@ -85,12 +90,13 @@ impl Session {
     ) -> Result<Self> {
         job.validate()?;
         let job = job.without_repeated_layers();
-        let SessionOptions { cancel, save_request, build_progress, output, command } = options;
+        let SessionOptions { cancel, save_request, build_progress, output, command, overlay } =
+            options;
         let pool = thread_pool(job.threads)?;
         let prepared = pool.install(|| PreparedScene::new(scene, job.settings))?;
         let samples = job.sample_range()?;
         let selection = job.accel.select(scene.spheres());
-        let metadata = Metadata::new(&prepared, selection.backend);
+        let metadata = Metadata { overlay, ..Metadata::new(&prepared, selection.backend) };
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let (film, previous) = match checkpoint {
@@ -178,7 +184,8 @@ impl Session {
         let samples = job.sample_range()?;
         let prepared =
             self.pool.install(|| PreparedScene::new(state.prepared.scene(), job.settings))?;
-        let metadata = Metadata::new(&prepared, state.metadata.intersector);
+        let overlay = state.metadata.overlay.clone();
+        let metadata = Metadata { overlay, ..Metadata::new(&prepared, state.metadata.intersector) };
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let format_before = state.film.format();
@@ -275,6 +282,14 @@ impl Session {
         let transparent = self.state.prepared.scene().description().background.transparent;
         picture.alpha = picture.alpha.filter(|_| self.state.job.has_alpha(transparent));
         picture
+    }
+
+    /// The median CIEDE2000 between the colours of particles in a picture of the session as a
+    /// screen shows them, and those that a colour bar shows; `None` if no particle of a file is
+    /// seen.
+    pub fn color_difference(&self, picture: &Picture, look: &ViewTransform) -> Option<f64> {
+        let RenderState { prepared, accel, film, .. } = &*self.state;
+        median_difference(prepared, &**accel, film.frame(), picture, look)
     }
 
     /// Metadata of the picture so far.

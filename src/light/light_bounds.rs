@@ -27,8 +27,9 @@ pub(super) struct LightBounds {
 /// An emitter to be clustered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightItem {
+    /// The emitter, or a sphere around the part of it that can be seen.
     pub(super) sphere: Sphere,
-    /// `pi r^2` times its luminance, as a fraction of the total over all emitters.
+    /// `pi r^2` of that sphere times its luminance, as a fraction of the total over all emitters.
     pub(super) power: f64,
     /// Index in the list of emitters.
     pub(super) emitter_index: u32,

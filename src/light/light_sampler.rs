@@ -9,6 +9,7 @@ use crate::names::named_enum;
 use crate::sampling::DiscreteDistribution;
 
 use super::context::LightSampleContext;
+use super::cut::EmitterCuts;
 use super::emitter::Emitter;
 use super::light_bounds::{LightBounds, LightItem};
 use super::light_tree::{LightTree, MAX_LIGHTS};
@@ -55,18 +56,22 @@ enum Strategy {
 }
 
 impl LightSampler {
-    pub(super) fn new(emitters: &[Emitter], spheres: &SphereSet, kind: LightSamplerKind) -> Self {
-        let power = |emitter: &Emitter| {
-            let radius = spheres.sphere(emitter.id).radius;
-            PI * radius * radius * f64::from(luminance(emitter.emission))
+    /// Of emitters that are cut, only the part counts that can be seen.
+    pub(super) fn new(
+        emitters: &[Emitter],
+        cuts: &EmitterCuts,
+        spheres: &SphereSet,
+        kind: LightSamplerKind,
+    ) -> Self {
+        let item = |(emitter, emitter_index): (&Emitter, u32)| {
+            let sphere = cuts.bounds(emitter_index as usize, &spheres.sphere(emitter.id));
+            let area = PI * sphere.radius * sphere.radius;
+            let power = area * f64::from(luminance(emitter.emission));
+            LightItem { sphere, power, emitter_index }
         };
-        let total_power: f64 = emitters.iter().map(power).sum();
-        let item = |(emitter, i): (&Emitter, u32)| LightItem {
-            sphere: spheres.sphere(emitter.id),
-            power: power(emitter) / total_power,
-            emitter_index: i,
-        };
-        let items: Vec<LightItem> = emitters.iter().zip(0..).map(item).collect();
+        let mut items: Vec<LightItem> = emitters.iter().zip(0..).map(item).collect();
+        let total_power: f64 = items.iter().map(|item| item.power).sum();
+        items.iter_mut().for_each(|item| item.power /= total_power);
         let kind = if items.len() > MAX_LIGHTS { LightSamplerKind::Power } else { kind };
         let strategy = match kind {
             _ if items.is_empty() => Strategy::Empty,

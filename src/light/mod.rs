@@ -6,6 +6,7 @@
 //! sampling, such as a constant environment.
 
 mod category;
+mod connected_point;
 mod context;
 mod cut;
 mod emitter;
@@ -18,8 +19,9 @@ mod sphere_tree;
 mod visible_emitter;
 
 pub use category::CategoryPmf;
+pub use connected_point::ConnectedPoint;
 pub use context::LightSampleContext;
-pub use cut::{EmitterCut, EmitterCuts};
+pub use cut::{EmitterCut, EmitterCuts, Enclosure};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
@@ -34,7 +36,7 @@ use crate::math::{DVec3, NO_SPHERE};
 use category::LightCategory;
 use environment::MapSample;
 use light_sampler::LightSampler;
-use specular::{Caster, PairSampler};
+use specular::{Casters, PairSampler};
 use visible_emitter::VisibleEmitter;
 
 /// All lights of a scene.
@@ -109,7 +111,7 @@ impl Lights {
         environment: Arc<Environment>,
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
-        let sampler = LightSampler::new(&emitters, spheres, kind);
+        let sampler = LightSampler::new(&emitters, &cuts, spheres, kind);
         Self { emitters, cuts, sampler, environment }
     }
 
@@ -148,8 +150,13 @@ impl Lights {
         &self.environment
     }
 
+    /// Returns true if there is an emitter or a sun for connections to go to.
+    pub fn may_connect(&self) -> bool {
+        !self.is_empty() || self.environment.sun().is_some()
+    }
+
     /// Creates the sampler of pairs of these balls with the emitters and the sun.
-    pub fn pairs_with(&self, casters: &[Caster], spheres: &SphereSet) -> PairSampler {
+    pub fn pairs_with(&self, casters: Casters, spheres: &SphereSet) -> PairSampler {
         let sun = self.environment.sun().map(|sun| sun.beam());
         PairSampler::new(casters, &self.emitters, sun, spheres)
     }
@@ -212,10 +219,10 @@ impl Lights {
         mut u: [f64; 2],
     ) -> Option<LightSample> {
         let (index, pmf) = self.sampler.sample(ctx, u_select)?;
-        let Emitter { id, emission, transmittance } = self.emitters[index];
+        let Emitter { id, emission, transmittance, .. } = self.emitters[index];
         let sphere = spheres.sphere(id);
         let visible = VisibleEmitter::new(ctx, id, &sphere, self.cuts.of_emitter(index))?;
-        let far_wall_pmf = visible.far_wall_pmf(transmittance);
+        let far_wall_pmf = visible.far_wall_pmf(&self.emitters[index]);
         let is_far = u[0] < far_wall_pmf;
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         if far_wall_pmf > 0.0 {
@@ -283,7 +290,7 @@ impl Lights {
         let Some(visible) = VisibleEmitter::new(ctx, id, &spheres.sphere(id), cut) else {
             return 0.0;
         };
-        let far_wall_pmf = visible.far_wall_pmf(self.emitters[index].transmittance);
+        let far_wall_pmf = visible.far_wall_pmf(&self.emitters[index]);
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
         visible.pdf(direction) * pmf * wall_pmf

@@ -9,6 +9,7 @@ use crate::sampling::Hemisphere;
 
 use super::context::LightSampleContext;
 use super::cut::EmitterCut;
+use super::emitter::Emitter;
 
 /// An emitter as seen from a point on a surface.
 pub(super) enum VisibleEmitter {
@@ -58,11 +59,11 @@ impl VisibleEmitter {
 
     /// Returns the probability of sampling the far wall of an emitter rather than the near one. In
     /// proportion to their light, as both are seen in the same directions.
-    pub(super) fn far_wall_pmf(&self, transmittance: f32) -> f64 {
-        let transmittance = f64::from(transmittance);
+    pub(super) fn far_wall_pmf(&self, emitter: &Emitter) -> f64 {
+        let fraction = f64::from(emitter.far_wall_fraction);
         match self {
             Self::Inside { .. } => 0.0,
-            _ => transmittance / (1.0 + transmittance),
+            _ => fraction / (1.0 + fraction),
         }
     }
 

@@ -113,6 +113,11 @@ impl RoughConductor {
 }
 
 impl Conductor {
+    /// Returns true if the surface has no microfacets.
+    pub fn is_smooth(&self) -> bool {
+        self.rough.is_none()
+    }
+
     /// Creates a metal with a roughness in `[0, 1]`.
     pub fn new(metal: Metal, roughness: f64) -> Self {
         Self::from_fresnel(ConductorFresnel::Metal(metal), roughness)

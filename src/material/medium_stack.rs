@@ -128,6 +128,14 @@ impl MediumStack {
         self.entered.is_empty()
     }
 
+    /// Returns the only sphere that a path is inside of; `None` in vacuum and where media overlap.
+    pub fn only_sphere(&self) -> Option<u32> {
+        match self.entered.as_slice() {
+            [medium] => Some(medium.sphere),
+            _ => None,
+        }
+    }
+
     /// Returns true if a path is inside this sphere.
     pub fn contains(&self, sphere: u32) -> bool {
         self.position(sphere).is_some()

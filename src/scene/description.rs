@@ -224,10 +224,7 @@ impl SceneDescription {
         for table in &mut self.tables {
             match &mut table.data {
                 SphereData::File { path, .. } => change(path),
-                SphereData::Particles(particles) => {
-                    change(&mut particles.path);
-                    particles.topology.iter_mut().for_each(&mut change);
-                }
+                SphereData::Particles(particles) => particles.for_each_file(&mut change),
                 SphereData::Memory(_) => {}
             }
         }

@@ -14,8 +14,16 @@ use crate::fault::fault;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 
-/// Balls with more spheres inside or across their surface are not examined.
-const MAX_CONTENTS: usize = 64;
+/// Balls in which more spheres reach total reflection are not examined. In most planes they are
+/// close to each other, so that light soon finds one.
+const MAX_CONTENTS: usize = 1 << 16;
+
+/// So many contents are tested at each reflection; more only at each [`PERIOD`]th in succession, as
+/// the test may then take as long as a few edges of a path.
+const FEW_CONTENTS: usize = 64;
+
+/// Number of reflections in succession from one test of many contents to the next.
+const PERIOD: u16 = 64;
 
 /// Distance, in radii, at which a surface counts as reaching the ring: far more than rounding.
 const SLACK: f64 = 1e-6;
@@ -25,17 +33,20 @@ const SLACK: f64 = 1e-6;
 pub(super) struct LightTrap {
     id: u32,
     ball: Sphere,
-    /// The other spheres whose surfaces reach into the ball.
+    /// The other spheres whose surfaces reach into the ball as far out as total reflection does.
     contents: Vec<Sphere>,
 }
 
 impl LightTrap {
-    /// `None` if the ball has too many contents.
-    pub(super) fn new(spheres: &SphereSet, id: u32) -> Option<Self> {
+    /// `None` if the ball has too many contents. Light is totally reflected only at sines of at
+    /// least `critical_sine`.
+    pub(super) fn new(spheres: &SphereSet, id: u32, critical_sine: f64) -> Option<Self> {
         let ball = spheres.sphere(id);
+        let critical_radius = ball.radius * (critical_sine - SLACK);
         let reaches_in = |sphere: &Sphere| {
-            let nearest = (sphere.center.distance(ball.center) - sphere.radius).abs();
-            nearest <= ball.radius * (1.0 + SLACK)
+            let distance = sphere.center.distance(ball.center);
+            (distance - sphere.radius).abs() <= ball.radius * (1.0 + SLACK)
+                && distance + sphere.radius >= critical_radius
         };
         let others = (0..spheres.len() as u32).into_par_iter().filter(|&other| other != id);
         let contents = others.map(|other| spheres.sphere(other)).filter(reaches_in);
@@ -44,9 +55,12 @@ impl LightTrap {
     }
 
     /// Returns true if light that is totally reflected at a point of this sphere, into a unit
-    /// direction, hits nothing but this sphere ever after.
-    pub(super) fn holds(&self, id: u32, point: DVec3, direction: DVec3) -> bool {
-        if id != self.id {
+    /// direction, is known to hit nothing but this sphere ever after. `count` is the number of
+    /// total reflections in succession, with this one.
+    pub(super) fn holds(&self, id: u32, point: DVec3, direction: DVec3, count: u16) -> bool {
+        // What one reflection finds, the next ones find again: plane and ring stay.
+        let is_due = self.contents.len() <= FEW_CONTENTS || count % PERIOD == 0;
+        if id != self.id || !is_due {
             return false;
         }
         let normal = (point - self.ball.center).cross(direction);
@@ -87,14 +101,14 @@ mod tests {
         let exact = [&[ball([0.0; 3], 2.0)], others].concat();
         let set = SphereSet::new(SphereRows { exact, table: vec![] }).expect("few spheres");
         let id = (0..set.len() as u32).find(|&id| set.row(id) == 0).expect("row 0");
-        LightTrap::new(&set, id).expect("few contents")
+        LightTrap::new(&set, id, 2.0 / 3.0).expect("few contents")
     }
 
     /// A chord in the plane z = 0 whose distance from the centre is 1.6.
     fn holds(others: &[Sphere]) -> bool {
         let trap = trap(others);
         let (point, along) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(-0.6, 0.8, 0.0));
-        trap.holds(trap.id, point + trap.ball.center, along)
+        trap.holds(trap.id, point + trap.ball.center, along, 1)
     }
 
     #[test]
@@ -120,14 +134,25 @@ mod tests {
     }
 
     #[test]
-    fn another_sphere_holds_nothing_and_one_with_many_contents_is_not_examined() {
+    fn another_sphere_holds_nothing() {
         let alone = trap(&[]);
-        assert!(!alone.holds(alone.id + 1, DVec3::X * 2.0, DVec3::new(-0.6, 0.8, 0.0)));
+        let along = DVec3::new(-0.6, 0.8, 0.0);
+        assert!(!alone.holds(alone.id + 1, DVec3::X * 2.0, along, 1));
+    }
+
+    /// Up to 1.2 from the centre none is in the way of total reflection, at sines of at least 2/3.
+    #[test]
+    fn of_many_contents_those_count_that_total_reflection_may_reach() {
         let grain = |i: u32| ball([0.01 * f64::from(i), 0.0, 0.0], 1e-3);
-        let exact: Vec<Sphere> =
-            [ball([0.0; 3], 2.0)].into_iter().chain((0..65).map(grain)).collect();
-        let set = SphereSet::new(SphereRows { exact, table: vec![] }).expect("few spheres");
-        let around = (0..set.len() as u32).find(|&id| set.row(id) == 0).expect("row 0");
-        assert!(LightTrap::new(&set, around).is_none());
+        let within: Vec<Sphere> = (0..120).map(grain).collect();
+        assert!(trap(&within).contents.is_empty());
+        assert!(holds(&within));
+        // Across the ring, but above the plane: tested where enough reflections went before.
+        let above = |i: u32| ball([1.4, 0.0, 0.1 + 1e-3 * f64::from(i)], 1e-4);
+        let trap = trap(&(0..65).map(above).collect::<Vec<_>>());
+        assert_eq!(trap.contents.len(), 65);
+        let (point, along) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(-0.6, 0.8, 0.0));
+        let holds = |count| trap.holds(trap.id, point + trap.ball.center, along, count);
+        assert_eq!([1, 63, 64, 65, 128].map(holds), [false, false, true, false, true]);
     }
 }

@@ -4,6 +4,7 @@ use crate::appearance::Dressed;
 use crate::math::DVec3;
 
 use super::data::{SphereArrays, StridedArray};
+use super::particle_table::FileRows;
 
 /// Particles that have been read from a file.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +27,12 @@ impl<'a> LoadedParticles<'a> {
     /// Returns true if no sphere is visible.
     pub fn is_empty(&self) -> bool {
         self.arrays.is_empty()
+    }
+
+    /// Which row of the file each row of the table shows.
+    pub(super) fn file_rows(&self) -> FileRows {
+        let Dressed { rows, copies, edges, .. } = self.look;
+        FileRows { rows: rows.clone(), copies: *copies, particles: self.len() - edges }
     }
 
     /// Centre and radius of each particle by index; the hidden ones come last.

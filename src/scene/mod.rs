@@ -4,7 +4,9 @@
 mod arrays;
 mod biases;
 mod builder;
+mod casters;
 mod colors;
+mod column_layers;
 mod column_limits;
 mod columns;
 mod complaint;
@@ -41,6 +43,7 @@ mod validation_errors;
 mod value_types;
 
 pub use builder::{MaterialHandle, SceneBuilder};
+pub use column_layers::ColumnLayers;
 pub use data::{SphereArrays, SphereData};
 pub use description::SceneDescription;
 pub use loaded_particles::LoadedParticles;

@@ -28,6 +28,12 @@ pub struct ParticleTable {
 }
 
 impl ParticleTable {
+    /// Changes the path of each file.
+    pub(crate) fn for_each_file(&mut self, change: &mut impl FnMut(&mut PathBuf)) {
+        change(&mut self.path);
+        self.topology.iter_mut().for_each(change);
+    }
+
     /// What to read of the file: the columns that the options may need, or all of them.
     pub fn request(&self, wanted: Wanted) -> ReadRequest {
         ReadRequest {

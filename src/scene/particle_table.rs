@@ -36,21 +36,17 @@ impl ParticleTable {
         dress(particles, &self.appearance).map_err(ParticleError::Option)
     }
 
-    /// The row of the file, from 0, that a row of the table shows; `None` for an edge of the cell.
+    /// Which row of the file each row of the table shows.
     ///
     /// # Errors
     /// If the file cannot be read.
-    pub fn row_in_file(&self, row: u32) -> Result<Option<u32>> {
+    pub fn file_rows(&self) -> Result<FileRows> {
         let dressed = self.dress().map_err(|error| match error {
             ParticleError::File(error) => error,
             ParticleError::Option(error) => Error::input(error.message),
         })?;
         let particles = dressed.particle_count();
-        if row as usize >= particles {
-            return Ok(None);
-        }
-        let original = row as usize % (particles / dressed.copies);
-        Ok(Some(dressed.rows.map_or(original as u32, |rows| rows[original])))
+        Ok(FileRows { rows: dressed.rows, copies: dressed.copies, particles })
     }
 
     /// The columns to read. Standard input can be read only once, so all of its columns are.
@@ -61,6 +57,26 @@ impl ParticleTable {
         let survey = survey(&self.path, &self.request(Wanted::All))?;
         let names: Vec<&str> = survey.columns.iter().map(|column| &*column.name).collect();
         Ok(needed_columns(&self.appearance, &names).map_or(Wanted::All, Wanted::Only))
+    }
+}
+
+/// Which row of a file each row of a table shows.
+#[derive(Clone, Debug, Default)]
+pub struct FileRows {
+    /// Rows of the file without periodic copies; `None` for all.
+    pub(super) rows: Option<Vec<u32>>,
+    /// Number of periodic copies, one behind the other.
+    pub(super) copies: usize,
+    /// Number of particles with their copies; edges of the cell follow.
+    pub(super) particles: usize,
+}
+
+impl FileRows {
+    /// The row of the file, from 0, that a row of the table shows; `None` for an edge of the cell.
+    pub fn row_in_file(&self, row: u32) -> Option<u32> {
+        let row = Some(row as usize).filter(|row| *row < self.particles)?;
+        let original = row % (self.particles / self.copies);
+        Some(self.rows.as_ref().map_or(original as u32, |rows| rows[original]))
     }
 }
 

@@ -6,11 +6,13 @@ use rayon::prelude::*;
 use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
-use crate::light::Lights;
+use crate::light::specular::PairSampler;
+use crate::light::{Enclosure, Lights};
 use crate::material::{Medium, Model};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
+use super::casters::find_pairs;
 use super::description;
 use super::light_trap::LightTrap;
 use super::scene::Scene;
@@ -25,6 +27,7 @@ pub struct PreparedScene {
     scene: Scene,
     settings: Settings,
     lights: Lights,
+    connections: Option<PairSampler>,
     camera: Camera,
     filter: Filter,
     /// The dielectric spheres in which a camera ray can start, largest first.
@@ -43,13 +46,16 @@ impl PreparedScene {
         let camera =
             build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
         check_reach(&camera, filter_radius)?;
-        let lights = scene.lights(settings.render.light_choice);
+        let enclosures = find_enclosures(scene, &camera, filter_radius);
+        let lights = scene.lights(settings.render.light_choice, &enclosures);
+        let connections = find_pairs(scene, &lights, &settings.render);
         let around_camera = find_camera_media(scene, &camera, filter_radius);
         let filter = Filter::new(filter, filter_radius);
         Ok(Self {
             scene: scene.clone(),
             settings,
             lights,
+            connections,
             camera,
             filter,
             light_traps: find_light_traps(scene, &around_camera),
@@ -92,6 +98,12 @@ impl PreparedScene {
         &self.lights
     }
 
+    /// The pairs of a polished ball and a light that paths are connected over, if there are any and
+    /// the settings ask for it.
+    pub fn connections(&self) -> Option<&PairSampler> {
+        self.connections.as_ref()
+    }
+
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -119,9 +131,15 @@ impl PreparedScene {
 
     /// Returns true if light that a sphere totally reflects from inside, at this point and into
     /// this unit direction, is known to hit nothing but that sphere ever after, and so to find no
-    /// light.
-    pub fn is_light_trapped(&self, sphere: u32, point: DVec3, direction: DVec3) -> bool {
-        self.light_traps.iter().any(|trap| trap.holds(sphere, point, direction))
+    /// light. `count` is the number of total reflections in succession, with this one.
+    pub fn is_light_trapped(
+        &self,
+        sphere: u32,
+        point: DVec3,
+        direction: DVec3,
+        count: u16,
+    ) -> bool {
+        self.light_traps.iter().any(|trap| trap.holds(sphere, point, direction, count))
     }
 }
 
@@ -150,15 +168,36 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
     found
 }
 
+/// Finds the opaque spheres in which camera rays may start. They matter only where there are
+/// emitters.
+fn find_enclosures(scene: &Scene, camera: &Camera, margin: f64) -> Vec<Enclosure> {
+    if scene.emitter_count() == 0 {
+        return Vec::new();
+    }
+    let around = |id| {
+        let sphere = scene.spheres().sphere(id);
+        let is_around = camera.may_start_inside(&sphere, margin);
+        let is_certain = is_around && camera.must_start_inside(&sphere, margin);
+        let is_enclosure = is_around && scene.sphere_material(id).is_opaque();
+        is_enclosure.then_some(Enclosure { id, is_certain })
+    };
+    (0..scene.spheres().len() as u32).into_par_iter().filter_map(around).collect()
+}
+
 fn find_light_traps(scene: &Scene, camera_media: &[(Sphere, Medium)]) -> Vec<LightTrap> {
     let is_dark_and_smooth = |id| {
         let material = scene.sphere_material(id).material;
         let is_smooth = matches!(&material.model, Model::Dielectric(glass) if glass.is_smooth());
         is_smooth && !material.is_emissive()
     };
-    let ids = camera_media.iter().map(|(_, medium)| medium.sphere);
-    let ids = ids.filter(|&id| is_dark_and_smooth(id)).take(MAX_LIGHT_TRAPS);
-    ids.filter_map(|id| LightTrap::new(scene.spheres(), id)).collect()
+    // Of all media that may be on either side of the surface.
+    let smallest_ior = scene.iors().fold(1.0, f64::min);
+    let largest_ior = scene.iors().fold(1.0, f64::max);
+    let smooth = camera_media.iter().filter(|(_, medium)| is_dark_and_smooth(medium.sphere));
+    let trap = |(_, medium): &(Sphere, Medium)| {
+        LightTrap::new(scene.spheres(), medium.sphere, smallest_ior / largest_ior)
+    };
+    smooth.take(MAX_LIGHT_TRAPS).filter_map(trap).collect()
 }
 
 /// An opaque sphere around the camera.

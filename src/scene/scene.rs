@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::color::{PathRadiance, Rgb};
 use crate::error::Result;
 use crate::geometry::SphereSet;
-use crate::light::{Emitter, EmitterCuts, Environment, LightSamplerKind, Lights};
+use crate::light::{Emitter, EmitterCuts, Enclosure, Environment, LightSamplerKind, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
@@ -107,10 +107,13 @@ impl Scene {
         let medium = |id| scene.sphere_material(id).medium(id);
         scene.has_straight_boundaries =
             has_media && straight_boundaries::may_exist(&scene.materials, &scene.spheres, medium);
-        let is_opaque = |id| scene.sphere_material(id).is_opaque();
-        let cuts = EmitterCuts::find(&scene.emitters, &scene.spheres, is_opaque);
-        scene.emitter_cuts = Arc::new(cuts);
+        scene.emitter_cuts = Arc::new(scene.find_emitter_cuts(&[]));
         Ok(scene)
+    }
+
+    fn find_emitter_cuts(&self, enclosures: &[Enclosure]) -> EmitterCuts {
+        let is_opaque = |id| self.sphere_material(id).is_opaque();
+        EmitterCuts::find(&self.emitters, &self.spheres, is_opaque, enclosures)
     }
 
     /// Replaces the description by one that differs only in the folders of its files.
@@ -149,12 +152,17 @@ impl Scene {
         &self.spheres
     }
 
-    /// The light sampler over all emitters, of this kind.
-    pub fn lights(&self, by: LightSamplerKind) -> Lights {
+    /// The light sampler over all emitters, of this kind, given the opaque spheres around the
+    /// camera.
+    pub fn lights(&self, by: LightSamplerKind, enclosures: &[Enclosure]) -> Lights {
+        let cuts = match enclosures.is_empty() {
+            true => Arc::clone(&self.emitter_cuts),
+            false => Arc::new(self.find_emitter_cuts(enclosures)),
+        };
         Lights::with_sampler(
             by,
             Arc::clone(&self.emitters),
-            Arc::clone(&self.emitter_cuts),
+            cuts,
             &self.spheres,
             Arc::clone(&self.background),
         )
@@ -193,6 +201,11 @@ impl Scene {
             Rgb::ZERO
         };
         PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
+    }
+
+    /// All materials.
+    pub(super) fn materials(&self) -> &[Material] {
+        &self.materials
     }
 
     /// The material of a sphere.
@@ -248,6 +261,11 @@ impl Scene {
     /// Returns true if some material is a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// The indices of refraction of all media.
+    pub(super) fn iors(&self) -> impl Iterator<Item = f64> + '_ {
+        self.materials.iter().filter_map(|material| Some(material.dielectric()?.ior))
     }
 
     /// Returns true if light may pass some dielectric boundary in a straight line; false only if it
@@ -364,13 +382,11 @@ impl Scene {
             return Vec::new();
         }
         let emitter = |id| {
-            let material = self.sphere_material(id).material;
-            let emission = material.emission * material.opacity;
-            let transmittance = match material.dielectric() {
-                Some(_) => 0.0,
-                None => 1.0 - material.opacity,
-            };
-            let emitter = Emitter { id, emission, transmittance };
+            let surface = self.sphere_material(id);
+            let emission = surface.material.emission * surface.material.opacity;
+            let [transmittance, far_wall_fraction] =
+                surface.far_wall_fractions(self.spheres.sphere(id).radius);
+            let emitter = Emitter { id, emission, transmittance, far_wall_fraction };
             (emission.max_element() > 0.0).then_some(emitter)
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(emitter).collect()

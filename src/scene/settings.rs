@@ -70,6 +70,10 @@ pub struct RenderSettings {
     pub integrator: IntegratorSettings,
     /// How `path` and `direct` sample lights.
     pub estimator: Estimator,
+    /// How `path` and `direct` find light by way of polished balls. Files of versions that only
+    /// had chance do not say so.
+    #[serde(default = "Caustics::of_earlier_versions")]
+    pub caustics: Caustics,
     /// Samples per pixel.
     pub samples_per_pixel: u32,
     /// Maximum path length in edges: 1 is directly visible emitters, 2 adds direct light. `None`:
@@ -92,6 +96,7 @@ impl Default for RenderSettings {
         Self {
             integrator: IntegratorSettings::Path,
             estimator: Estimator::default(),
+            caustics: Caustics::default(),
             samples_per_pixel: 64,
             max_depth: None,
             clamp_indirect: None,
@@ -139,6 +144,25 @@ pub enum Estimator {
 }
 
 named_enum! { Estimator { Mis = "mis", Light = "light", Bsdf = "bsdf" } }
+
+/// How light is found that reaches a surface by way of a polished ball. Both have the same mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Caustics {
+    /// `"connect"`: paths are also connected to lights over mirror, metal and glass balls, in
+    /// closed form; see [`crate::light::specular`].
+    #[default]
+    Connect,
+    /// `"chance"`: only where BSDF sampling leads over the ball to the light.
+    Chance,
+}
+
+impl Caustics {
+    fn of_earlier_versions() -> Self {
+        Self::Chance
+    }
+}
+
+named_enum! { Caustics { Connect = "connect", Chance = "chance" } }
 
 /// `[render.paper]`: options of the integrator `paper`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use std::ops::Deref;
 use crate::color::Rgb;
 use crate::geometry::Side;
 use crate::material::{Boundary, Dielectric, Material, Medium, MediumStack, Model};
-use crate::sampling::ln;
+use crate::sampling::{exp, ln};
 
 use super::description::MaterialDescription;
 
@@ -107,6 +107,22 @@ impl<'a> SphereMaterial<'a> {
     pub fn is_straight(&self, boundary: &Boundary) -> bool {
         let is_matched = || matches!(self.material.model, Model::Dielectric(_));
         boundary.eta.is_none() || (boundary.eta == Some(1.0) && is_matched())
+    }
+
+    /// Returns the fraction of light from the far wall that passes the near one, and that fraction
+    /// behind what a chord of mean length absorbs: `4 r / 3`. Of dielectrics, only those of index 1
+    /// count, which are straight wherever no other medium is.
+    pub(super) fn far_wall_fractions(&self, radius: f64) -> [f32; 2] {
+        let opacity = self.material.opacity;
+        match (&self.material.model, self.material.dielectric()) {
+            (_, None) => [1.0 - opacity; 2],
+            (Model::Dielectric(Dielectric { ior: 1.0, .. }), _) if opacity >= 1.0 => {
+                let left = |absorption: f32| exp(-f64::from(absorption) * (4.0 / 3.0) * radius);
+                let left = self.absorption.to_array().map(left);
+                [1.0, (left.iter().sum::<f64>() / 3.0) as f32]
+            }
+            _ => [0.0; 2],
+        }
     }
 
     /// Returns true if no light passes through the surface.

@@ -76,7 +76,11 @@ pub(super) struct StyleValues {
 pub const MATERIALS: [(&str, &str); 8] = [
     ("matte", "type = \"diffuse\"\nalbedo = [0.5, 0.5, 0.5]\nroughness = 0.3"),
     ("lambert", "type = \"diffuse\"\nalbedo = [0.5, 0.5, 0.5]"),
-    ("satin", "type = \"plastic\"\nalbedo = [0.5, 0.5, 0.5]\nroughness = 0.35"),
+    // Shows colours as they are; plastic would deepen them, and a colour bar would be wrong.
+    (
+        "satin",
+        "type = \"principled\"\nbase_color = [0.5, 0.5, 0.5]\nroughness = 0.35\nspecular = 0.25",
+    ),
     ("plastic", "type = \"plastic\"\nalbedo = [0.5, 0.5, 0.5]\nroughness = 0.2"),
     ("glossy", "type = \"plastic\"\nalbedo = [0.5, 0.5, 0.5]\nroughness = 0.08"),
     (
@@ -90,9 +94,9 @@ pub const MATERIALS: [(&str, &str); 8] = [
 impl Style {
     pub(super) fn values(self) -> StyleValues {
         let studio = StyleValues {
-            zenith: 0.6,
-            key: 1.1,
-            key_diameter: 24.0,
+            zenith: 1.0,
+            key: 0.7,
+            key_diameter: 30.0,
             key_elevation: 50.0,
             key_azimuth: -40.0,
             backdrop: 1.0,

@@ -89,12 +89,31 @@ fn what_is_drawn_over_the_picture_does_not_change_it() {
     }
 }
 
-/// Median colour difference between pixels and the colours of their particles.
-fn median_difference(style: &str, shade: f32) -> f64 {
+/// A dense melt: beads at random places, with a number that grows along x.
+fn melt() -> String {
+    let mut state = 1u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 40) as f64 / (1u64 << 24) as f64 * 12.0
+    };
+    let mut text = String::from("x,y,z,radius,c_pe\n");
+    for _ in 0..1700 {
+        let [x, y, z] = [random(), random(), random()];
+        let _ = writeln!(text, "{x},{y},{z},0.5,{x}");
+    }
+    text
+}
+
+/// Median colour difference between pixels and the colours of their particles, as measured here and
+/// as printed.
+fn median_difference(file: &str, style: &str, shade: f32) -> [f64; 2] {
     let desk = desk();
-    let look = format!("--color c_pe --style {style} --layers albedo,alpha,sphere_id");
-    let size = "--size 160x120 --spp 64 --accel native --view -30,20";
-    desk.run(&format!("render run.lammpstrj -o a.exr {size} {look}")).succeeds();
+    fs::write(desk.path().join("melt.csv"), melt()).expect("the melt is written");
+    let look = format!("--color c_pe --style {style} --layers albedo,alpha,sphere_id --json");
+    let size = "--size 80x60 --spp 32 --accel native --view -30,20";
+    let done = desk.run(&format!("render {file} -o a.exr {size} {look}")).succeeds();
+    assert!(done.stderr.contains("colours differ from the legend by "), "{}", done.stderr);
+    let printed = done.json()["color_difference"].as_f64().expect("a number");
     let picture = channels(&desk, "a.exr");
     let color = |layer: &str, pixel: usize| {
         let name = |channel: &str| format!("{layer}{channel}");
@@ -105,20 +124,89 @@ fn median_difference(style: &str, shade: f32) -> f64 {
         let id = picture["sphere_id"][*pixel].to_bits();
         id != u32::MAX && picture["A"][*pixel] == 1.0 && !(style == "studio" && id == 0)
     };
-    let pixels = (0..160 * 120).filter(is_particle);
+    let pixels = (0..80 * 60).filter(is_particle);
     // A picture for the screen clips at white.
     let shown = |pixel| ciede2000(color("", pixel).min(Rgb::ONE), color("albedo.", pixel) / shade);
     let mut differences: Vec<f64> = pixels.map(shown).collect();
     differences.sort_by(f64::total_cmp);
-    assert!(differences.len() > 2000, "{}", differences.len());
-    differences[differences.len() / 2]
+    assert!(differences.len() > 500, "{}", differences.len());
+    [differences[differences.len() / 2], printed]
 }
 
 #[test]
 fn colours_are_those_of_the_colour_bar() {
-    let (flat, studio) = (median_difference("flat", 0.15), median_difference("studio", 0.95));
-    assert!(flat <= 3.0, "flat: {flat}");
-    assert!(studio <= 8.0, "studio: {studio}");
+    for file in ["run.lammpstrj", "melt.csv"] {
+        for (style, shade, most) in [("flat", 0.15, 3.0), ("studio", 0.95, 8.0)] {
+            let [measured, printed] = median_difference(file, style, shade);
+            assert!(measured <= most, "{file}, {style}: {measured}");
+            assert!((measured - printed).abs() < 1.0, "{file}, {style}: {measured} {printed}");
+        }
+    }
+}
+
+#[test]
+fn other_commands_take_particle_files() {
+    let desk = desk();
+    desk.run("trace run.lammpstrj --pixel 24,18 --size 48x36 --view iso").succeeds();
+    desk.run("crosscheck run.lammpstrj --rays 300").succeeds();
+    let tiny = "--size 16x12 --spp 1,2 --seeds 2 --quiet";
+    desk.run(&format!("converge run.lammpstrj -o a.svg {tiny}")).succeeds();
+    let look = "--size 48x36 --accel native --view iso --color c_pe --title energy";
+    let plan = "plan run.lammpstrj --shards 2 --spp 32 -o whole.png --size 48x36";
+    let plan = desk.run(&format!("{plan} --view iso --style clay")).succeeds();
+    assert!(plan.stdout.contains("--view iso --style clay"), "{}", plan.stdout);
+    let by_crop = "plan run.lammpstrj --shards 2 --by crop -o whole.png";
+    assert!(desk.run(by_crop).succeeds().stdout.contains("--spp 64"));
+    // What is drawn over a picture is drawn over one that is merged from parts, and over previews.
+    let preview = "--preview so-far.png";
+    desk.run(&format!("render run.lammpstrj -o a.png --spp 32 {look} {preview}")).succeeds();
+    for (part, samples) in [("a.part", "0..16"), ("b.part", "16..32")] {
+        let samples = format!("--spp 32 --samples {samples}");
+        desk.run(&format!("render run.lammpstrj -o {part} {samples} {look}")).succeeds();
+    }
+    desk.run("merge a.part b.part -o merged.png").succeeds();
+    assert_eq!(channels(&desk, "a.png"), channels(&desk, "merged.png"));
+    assert_eq!(channels(&desk, "a.png"), channels(&desk, "so-far.png"));
+}
+
+#[test]
+fn columns_are_layers() {
+    let desk = desk();
+    let look = "--select type==2 --replicate 2,1,1 --layers c_pe,depth,id";
+    desk.run(&format!("render run.lammpstrj -o a.exr {SMALL} {look}")).succeeds();
+    let picture = channels(&desk, "a.exr");
+    let mut seen = 0;
+    for (pixel, energy) in picture["c_pe"].iter().enumerate() {
+        let id = picture["id"][pixel];
+        assert_eq!(energy.is_nan(), id.is_nan());
+        if !energy.is_nan() {
+            seen += 1;
+            // The id is that of the row, counted from 1.
+            let x = (id as i32 - 1) % 6;
+            assert_eq!(*energy, -3.0 + 0.125 * x as f32);
+            assert_eq!(id as i32 % 2, 0, "type 2");
+        }
+    }
+    assert!(seen > 100 && seen < picture["c_pe"].len(), "{seen}");
+    assert!(picture.contains_key("sphere_id") && picture.contains_key("depth"));
+    desk.run("reproduce a.exr").succeeds();
+    desk.run(&format!("render run.lammpstrj -o b.exr {SMALL} --layers c_pee"))
+        .fails(3, &["there is no column `c_pee`"]);
+    fs::write(desk.path().join("scene.toml"), SCENE).expect("the scene is written");
+    desk.run("render scene.toml -o b.exr --layers c_pe").fails(3, &["there is no layer `c_pe`"]);
+}
+
+#[test]
+fn without_a_number_of_samples_a_picture_gets_as_many_as_it_needs() {
+    let desk = desk();
+    let tiny = "--size 32x24 --accel native";
+    let done = desk.run(&format!("render run.lammpstrj -o a.png {tiny}")).succeeds();
+    for told in [" --noise ", " --max-spp 1024\n"] {
+        assert!(done.stderr.contains(told), "{}", done.stderr);
+    }
+    let fixed = format!("render run.lammpstrj -o b.png {tiny} --noise 5% --max-spp 1024 --quiet");
+    desk.run(&fixed);
+    assert_eq!(channels(&desk, "a.png"), channels(&desk, "b.png"));
 }
 
 #[test]

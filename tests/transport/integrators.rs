@@ -5,7 +5,7 @@
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::integrator::{
-    PathEvent, PathTrace, RenderContext, SampleAddress, Termination, create,
+    PathEvent, PathTrace, RenderContext, Rival, SampleAddress, Termination, create,
 };
 use photosphere::math::DVec3;
 use photosphere::scene::PreparedScene;
@@ -67,8 +67,8 @@ fn each_way_to_find_light_does_what_its_name_says() {
         traces(&prepared).iter().flat_map(|trace| &trace.events).filter(|step| chosen(step)).count()
     };
     let by_chance = |step: &PathEvent| {
-        matches!(step, PathEvent::Emission { pdf: Some(_), pdf_light, contribution, .. }
-        if *pdf_light > 0.0 && contribution.radiance != Rgb::ZERO)
+        matches!(step, PathEvent::Emission { pdf: Some(_), rival: Rival::LightSample(pdf), contribution, .. }
+        if *pdf > 0.0 && contribution.radiance != Rgb::ZERO)
     };
     let aimed = |step: &PathEvent| matches!(step, PathEvent::LightSample { .. });
     assert_eq!(count(Estimator::Light, &by_chance), 0);

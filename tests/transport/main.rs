@@ -7,6 +7,7 @@
 mod agreement;
 mod boundaries;
 mod cameras;
+mod connections;
 mod cut_emitters;
 mod furnaces;
 mod integrators;

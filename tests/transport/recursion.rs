@@ -143,8 +143,9 @@ fn the_loop_equals_the_recursion() {
     for (integrator, samples_emitters, sampler) in cases {
         let choice =
             [format!("render.integrator={integrator}"), format!("render.sampler={sampler}")];
-        let subpixels = "render.paper.subpixels=1";
-        let options = [&grey[..], &[&choice[0], &choice[1], subpixels]].concat();
+        // The recursion knows no connections.
+        let more = ["render.paper.subpixels=1", "render.caustics=chance"];
+        let options = [&grey[..], &[&choice[0], &choice[1]], &more].concat();
         let prepared = Kit::of_file("paper/fig4.toml", &options).prepared();
         let accel = built(&prepared, Backend::BruteForce);
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };

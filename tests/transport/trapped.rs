@@ -2,6 +2,7 @@
 
 use photosphere::accel::Backend;
 use photosphere::scene::description::SurfaceModel;
+use photosphere::scene::settings::{PaperSettings, PathTermination};
 
 use crate::kit::{Judged, Kit, diffuse, glass, rendered};
 use crate::scenes::{furnace, must_be};
@@ -50,6 +51,39 @@ fn a_lamp_in_the_ring_is_found_however_long_it_takes() {
             assert!(rays < 500.0, "{rays} rays per sample");
             kit.mean().must_be(3.0, &format!("{x}, {}", kit.how()));
         }
+    }
+}
+
+/// In front of the camera, a hundred flakes: in the middle, where no chord comes, or outside of the
+/// planes of all chords, which is known after some reflections.
+#[test]
+fn many_spheres_that_no_chord_reaches_free_no_light() {
+    for (x, y, limit) in [(0.3, 0.0, 1.0), (0.6, 0.6, 64.0)] {
+        for mut kit in in_a_ball().both_ways() {
+            // All planes contain the x axis, and their angles to the view are below 8 degrees.
+            for i in 0..100 {
+                let at = [x - 0.005 * f64::from(i), y + 1e-3 * f64::from(i), 0.0];
+                kit.glowing_ball(at, 1e-3, diffuse(0.0), 3.0);
+            }
+            assert_eq!(traced(&kit), (0.0, limit), "{}", kit.how());
+        }
+    }
+}
+
+/// The other stop rules of the paper end no path here, and nothing is lost. Chords of a square
+/// never find the lamp, whose ring they are in.
+#[test]
+fn roulette_shortens_what_no_other_rule_ends() {
+    for stop in [PathTermination::Depth, PathTermination::Threshold(0.1)] {
+        let paper = PaperSettings { stop, ..PaperSettings::default() };
+        let kit = with_lamp(in_a_ball(), -0.9, 0.02).depth(9000).paper(paper);
+        kit.mean().must_be(3.0, &format!("{stop:?}"));
+        let mut square = kit;
+        let x = 0.5f64.sqrt();
+        square.scene.camera([x, 0.0, 0.0], [x, 0.0, 1.0]).field_of_view(1e-7);
+        let (mean, rays) = traced(&square);
+        assert_eq!(mean, 0.0);
+        assert!(rays < 1000.0, "{stop:?}: {rays} rays per sample");
     }
 }
 

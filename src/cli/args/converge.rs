@@ -23,11 +23,12 @@ Examples:
   photosphere converge fig2.toml --integrator paper,path -o noise.svg
   photosphere converge fig2.toml --estimator mis,light,bsdf -o estimators.svg
   photosphere converge fig2.toml --sampler sobol,independent -o samplers.svg
+  photosphere converge fig4.toml --caustics chance,connect -o caustics.svg
   photosphere converge fig2.toml --reference best.exr -o noise.svg --json
   photosphere converge fig2.toml --accel native,embree -o speed.svg
 
-Every combination of --integrator, --estimator, --sampler and --accel is one curve; the scene decides
-what is not given. Each point is the mean over --seeds renders with its 95 % interval (Student's t).
+Every combination of --integrator, --estimator, --caustics, --sampler and --accel is one curve; the
+scene decides what is not given. Each point is the mean over --seeds renders with its 95 % interval (Student's t).
 So is each slope, which is fitted to every seed by least squares in log-log. Independent samples have
 the slope -0.5 (RMSE) or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error
 times seconds, which does not depend on the number of samples if they are independent.
@@ -60,6 +61,10 @@ pub struct ConvergeArgs {
     /// Estimators to compare
     #[arg(long = "estimator", value_name = "LIST", value_delimiter = ',')]
     pub estimators: Vec<String>,
+
+    /// Ways to find light over polished balls to compare
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub caustics: Vec<String>,
 
     /// Samplers to compare
     #[arg(long = "sampler", value_name = "LIST", value_delimiter = ',')]

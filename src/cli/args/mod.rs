@@ -48,6 +48,7 @@ pub use plan::{Division, PlanArgs, PlanFormat};
 pub use render::RenderArgs;
 pub use reproduce::ReproduceArgs;
 pub use stop::StopArgs;
+pub use studio::StudioArgs;
 pub use trace::TraceArgs;
 pub use verify::VerifyArgs;
 

@@ -1,11 +1,13 @@
 //! The options for picture files: their paths, layers and format. Shared by every command that
 //! writes pictures.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
-use clap::builder::TypedValueParser;
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::error::ContextKind;
+use clap::{Arg, Args, Command};
 
 use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
@@ -22,9 +24,10 @@ pub struct OutputArgs {
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true, help = files_help())]
     pub files: Vec<PathBuf>,
 
-    /// The layers (AOVs) of .exr files, such as direct,albedo,normal [default: direct,indirect]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
-    layers: Option<Vec<Aov>>,
+    /// The layers (AOVs) of .exr files, such as direct,albedo,normal; also columns of a particle
+    /// file [default: direct,indirect]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = LayerParser)]
+    layers: Option<Vec<LayerName>>,
 
     /// The exposure of .png files in stops; each stop doubles the light
     #[arg(long, value_name = "EV", value_parser = exposure)]
@@ -52,12 +55,32 @@ impl OutputArgs {
     /// Returns the requested layers without duplicates, or the default ones.
     pub fn kinds(&self) -> Vec<Aov> {
         let mut kinds = Vec::new();
-        for kind in self.layers.as_deref().unwrap_or(&Aov::DEFAULT) {
-            if !kinds.contains(kind) {
-                kinds.push(*kind);
+        let mut add = |kind: Aov| {
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
             }
+        };
+        match &self.layers {
+            None => Aov::DEFAULT.into_iter().for_each(add),
+            Some(layers) => layers.iter().for_each(|layer| match layer {
+                LayerName::Aov(kind) => add(*kind),
+                // Tells which particle's number a pixel has.
+                LayerName::Column(_) => add(Aov::SphereId),
+            }),
         }
         kinds
+    }
+
+    /// Returns the columns of a particle file that are requested as layers, without duplicates.
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns: Vec<String> = Vec::new();
+        for layer in self.layers.iter().flatten() {
+            match layer {
+                LayerName::Column(name) if !columns.contains(name) => columns.push(name.clone()),
+                _ => {}
+            }
+        }
+        columns
     }
 
     /// Returns true if layers are requested.
@@ -72,6 +95,7 @@ impl OutputArgs {
             look: self.look(),
             dpi: self.dpi,
             overlay: OverlayChoice::default(),
+            columns: self.columns(),
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -91,7 +115,11 @@ impl OutputArgs {
     pub fn to_arguments(&self) -> [Vec<String>; 2] {
         let mut of_parts = Vec::new();
         if let Some(kinds) = &self.layers {
-            let names: Vec<&str> = kinds.iter().map(|kind| kind.info().name).collect();
+            let name = |layer: &LayerName| match layer {
+                LayerName::Aov(kind) => kind.info().name.to_owned(),
+                LayerName::Column(name) => name.clone(),
+            };
+            let names: Vec<String> = kinds.iter().map(name).collect();
             of_parts.extend(["--layers".to_owned(), names.join(",")]);
         }
         let mut of_pictures = Vec::new();
@@ -125,6 +153,45 @@ fn files_help() -> String {
          the film, for merge. `-` is the standard output, and `none` discards the picture. May be \
          repeated"
     )
+}
+
+/// A layer of .exr files.
+#[derive(Clone, Debug)]
+enum LayerName {
+    /// What the renderer computes.
+    Aov(Aov),
+    /// A column of a particle file.
+    Column(String),
+}
+
+/// Parses the name of a layer. One that is like that of an AOV is a typo; others are columns.
+#[derive(Clone)]
+struct LayerParser;
+
+impl TypedValueParser for LayerParser {
+    type Value = LayerName;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        arg: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<LayerName, clap::Error> {
+        let refused = match kinds().parse_ref(command, arg, value) {
+            Ok(kind) => return Ok(LayerName::Aov(kind)),
+            Err(refused) => refused,
+        };
+        let is_typo = refused.get(ContextKind::SuggestedValue).is_some();
+        match value.to_str().filter(|name| !is_typo && !name.is_empty()) {
+            Some(name) => Ok(LayerName::Column(name.to_owned())),
+            None => Err(refused),
+        }
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let names = AOVS.iter().map(|row| PossibleValue::new(row.name));
+        Some(Box::new(names))
+    }
 }
 
 fn kinds() -> impl TypedValueParser<Value = Aov> {

@@ -11,6 +11,7 @@ use super::output::OutputArgs;
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::stop::StopArgs;
+use super::studio::StudioArgs;
 use super::values::duration;
 
 /// Print the commands of a sharded render: a script, or a job template for a render farm
@@ -62,6 +63,10 @@ pub struct PlanArgs {
     /// How often each shard saves its samples, such as 90s, 5m or 1h
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration, allow_hyphen_values = true)]
     pub checkpoint_every: Duration,
+
+    // Last, because its heading holds for all options behind it.
+    #[command(flatten)]
+    pub studio: StudioArgs,
 }
 
 impl PlanArgs {

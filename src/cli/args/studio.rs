@@ -17,11 +17,11 @@ pub struct StudioArgs {
     /// Where the camera stands: iso, an axis such as x or -y, or AZIMUTH,ELEVATION in degrees
     /// [default: -55,25]
     #[arg(long, value_name = "VIEW", value_parser = view, allow_hyphen_values = true)]
-    view: Option<ViewDirection>,
+    view: Option<Given<ViewDirection>>,
 
     /// The axis that points up, such as z or -y [default: z]
     #[arg(long, value_name = "AXIS", value_parser = up, allow_hyphen_values = true)]
-    up: Option<DVec3>,
+    up: Option<Given<DVec3>>,
 
     /// Enlarge the picture about its centre
     #[arg(long, value_name = "X", value_parser = positive)]
@@ -46,7 +46,14 @@ pub struct StudioArgs {
 
     /// What is behind the particles: none (transparent), or a colour such as white or #102030
     #[arg(long, value_name = "COLOR", value_parser = background)]
-    background: Option<Background>,
+    background: Option<Given<Background>>,
+}
+
+/// A value, as it was written.
+#[derive(Clone, Debug)]
+struct Given<T> {
+    text: String,
+    value: T,
 }
 
 impl StudioArgs {
@@ -54,32 +61,54 @@ impl StudioArgs {
     pub fn options(&self) -> StudioOptions {
         let usual = StudioOptions::default();
         StudioOptions {
-            view: self.view,
-            up: self.up.unwrap_or(usual.up),
+            view: value(&self.view),
+            up: value(&self.up).unwrap_or(usual.up),
             zoom: self.zoom.unwrap_or(usual.zoom),
             orthographic: self.ortho,
             style: self.style.unwrap_or_default(),
             material: self.material.clone(),
             ground: self.ground,
-            background: self.background,
+            background: value(&self.background),
             ..usual
         }
     }
 
     /// Returns the first option that is given.
     pub fn first_given(&self) -> Option<&'static str> {
-        let given = [
-            ("--view", self.view.is_some()),
-            ("--up", self.up.is_some()),
-            ("--zoom", self.zoom.is_some()),
-            ("--ortho", self.ortho),
-            ("--style", self.style.is_some()),
-            ("--material", self.material.is_some()),
-            ("--ground", self.ground.is_some()),
-            ("--background", self.background.is_some()),
-        ];
-        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+        self.given().into_iter().find(|(_, given)| given.is_some()).map(|(option, _)| option)
     }
+
+    /// Returns the options as command arguments.
+    pub fn to_arguments(&self) -> Vec<String> {
+        let mut words = Vec::new();
+        for (option, value) in self.given() {
+            let Some(value) = value else { continue };
+            words.push(option.to_owned());
+            words.extend(Some(value).filter(|value| !value.is_empty()));
+        }
+        words
+    }
+
+    /// Returns each option with its value as it was written; a flag has an empty one.
+    fn given(&self) -> [(&'static str, Option<String>); 8] {
+        fn text<T>(given: &Option<Given<T>>) -> Option<String> {
+            given.as_ref().map(|given| given.text.clone())
+        }
+        [
+            ("--view", text(&self.view)),
+            ("--up", text(&self.up)),
+            ("--zoom", self.zoom.map(|zoom| zoom.to_string())),
+            ("--ortho", self.ortho.then(String::new)),
+            ("--style", self.style.map(|style| style.name().to_owned())),
+            ("--material", self.material.clone()),
+            ("--ground", self.ground.map(|ground| ground.to_string())),
+            ("--background", text(&self.background)),
+        ]
+    }
+}
+
+fn value<T: Copy>(given: &Option<Given<T>>) -> Option<T> {
+    given.as_ref().map(|given| given.value)
 }
 
 fn meaning(style: Style) -> &'static str {
@@ -94,18 +123,23 @@ fn meaning(style: Style) -> &'static str {
     }
 }
 
-fn view(text: &str) -> Result<ViewDirection, String> {
+fn view(text: &str) -> Result<Given<ViewDirection>, String> {
     let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20";
-    ViewDirection::parse(text).ok_or_else(|| expected.to_owned())
+    given(text, ViewDirection::parse(text), expected)
 }
 
-fn up(text: &str) -> Result<DVec3, String> {
-    parse_up(text).ok_or_else(|| "expected an axis, such as z or -y".to_owned())
+fn up(text: &str) -> Result<Given<DVec3>, String> {
+    given(text, parse_up(text), "expected an axis, such as z or -y")
 }
 
-fn background(text: &str) -> Result<Background, String> {
+fn background(text: &str) -> Result<Given<Background>, String> {
     let expected = "expected none, the name of a colour, or #rrggbb";
-    Background::parse(text).ok_or_else(|| expected.to_owned())
+    given(text, Background::parse(text), expected)
+}
+
+fn given<T>(text: &str, value: Option<T>, expected: &str) -> Result<Given<T>, String> {
+    let value = value.ok_or_else(|| expected.to_owned())?;
+    Ok(Given { text: text.to_owned(), value })
 }
 
 fn material(text: &str) -> Result<String, String> {

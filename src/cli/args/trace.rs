@@ -9,6 +9,7 @@ use crate::scene::Override;
 use super::accel::AccelArg;
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
+use super::studio::StudioArgs;
 use super::values::pixel;
 
 /// Explain one path step by step, and draw it
@@ -58,6 +59,10 @@ pub struct TraceArgs {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+
+    // Last, because its heading holds for all options behind it.
+    #[command(flatten)]
+    pub studio: StudioArgs,
 }
 
 impl TraceArgs {

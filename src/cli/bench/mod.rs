@@ -15,13 +15,14 @@ use crate::image_io::AtomicFile;
 use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
-use crate::scene::{PreparedScene, SceneFile, read_file};
+use crate::scene::{PreparedScene, SceneFile};
 use crate::verify::bench::{RAY_SETS, Record, bench_renders, bench_stages, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
 use super::interrupt::{self, Interrupt};
 use super::memory::{self, MemoryNeeds};
+use super::particle_file::read_scene;
 use super::print;
 use super::system::{self, on_threads};
 use plan::{bench_plan, circumstances};
@@ -49,7 +50,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
 fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let svg = |path| AtomicFile::with_extension(path, "svg");
     let drawing = args.svg.as_deref().map(svg).transpose()?;
-    let scene_file = read_file(path, &args.scene.overrides())?;
+    let scene_file = read_scene(path, &args.scene.overrides(), None)?;
     let backends = args.accels.backends();
     let besides = bytes_of_rays(&scene_file, backends.len());
     let kinds: &[Aov] = if args.render { &Aov::DEFAULT } else { &[] };

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::cli::args::{Division, OutputArgs, PlanArgs};
 use crate::cli::outputs::is_part;
+use crate::cli::particle_file::ParticleFile;
 use crate::error::{Error, Result};
 use crate::scene::{Override, Settings};
 
@@ -44,7 +45,7 @@ impl ShardPlan {
         let name = args.scene.path.file_stem().unwrap_or_default();
         let files: Result<Vec<String>> = outputs.files.iter().map(|file| text(file)).collect();
         let [of_parts, mut merge_options] = outputs.to_arguments();
-        let mut options = options(args, division, accel);
+        let mut options = options(args, division, settings, accel);
         options.extend(of_parts);
         if let (Division::Crop, Some(crop)) = (division, image.crop) {
             merge_options.extend(["--crop".to_owned(), crop.to_string()]);
@@ -99,17 +100,26 @@ impl ShardPlan {
 
 /// Returns the options that affect the picture, as the user wrote them, and the intersector by
 /// name.
-fn options(args: &PlanArgs, division: Division, accel: &str) -> Vec<String> {
+fn options(args: &PlanArgs, division: Division, settings: &Settings, accel: &str) -> Vec<String> {
     let overrides = args.overrides();
     let is_replaced = |key: &str| division == Division::Crop && key == "image.crop";
     let kept = overrides.iter().filter(|given| !is_replaced(&given.key));
     let mut given: Vec<&[String]> = kept.map(Override::option).collect();
     given.dedup(); // --size sets two keys
     let mut words = given.concat();
+    words.extend(args.studio.to_arguments());
     let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
     if let Some(noise) = args.stop.noise {
         add("--noise", noise.to_string());
         add("--confidence", args.stop.confidence.to_string());
+    }
+    let has_samples = args.stop.noise.is_some() || args.picture.has_samples();
+    if division == Division::Crop
+        && !has_samples
+        && ParticleFile::is_one(&args.scene.path, &overrides)
+    {
+        // Without a number, each crop of a particle file would be rendered until it is good.
+        add("--spp", settings.render.samples_per_pixel.to_string());
     }
     add("--accel", accel.to_owned());
     if args.accel.build.quality != Default::default() {

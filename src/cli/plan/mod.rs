@@ -13,11 +13,12 @@ use std::path::PathBuf;
 
 use crate::draw::printable::printable;
 use crate::error::{Error, Result};
-use crate::scene::{SceneFile, read_file};
+use crate::scene::SceneFile;
 
 use super::args::{Division, OutputArgs, PlanArgs, PlanFormat, StopArgs};
 use super::exit::Exit;
-use super::outputs::{Outputs, refuse_duplicate_paths, refuse_streams};
+use super::outputs::{Outputs, refuse_columns, refuse_duplicate_paths, refuse_streams};
+use super::particle_file::read_scene;
 use super::print;
 use super::system::on_threads;
 use commands::ShardPlan;
@@ -32,10 +33,13 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
     refuse_duplicate_paths(&files)?;
     refuse_streams(&outputs.files)?;
+    refuse_columns(&outputs.columns())?;
     Outputs::new(&outputs.output_spec(), &outputs.kinds(), outputs.has_layers(), None)?;
     let overrides = args.overrides();
     // Checks the tables without loading them: they may need more memory than this machine has.
-    let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;
+    let file = on_threads(args.scene.threads(), || {
+        read_scene(&args.scene.path, &overrides, Some(&args.studio))
+    })?;
     print::result(&text(args, &outputs, &file)?)?;
     Ok(Exit::Done)
 }

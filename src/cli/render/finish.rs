@@ -47,30 +47,35 @@ impl RenderFinisher<'_> {
         last_look.begin_saving();
         let saved = self.session.install(|| self.save_all(reached, last_look));
         last_look.wait();
-        saved?;
-        self.report(reached, render_s)?;
+        self.report(reached, render_s, saved?)?;
         Ok(match reached.stop_reason {
             StopReason::Stopped => Exit::Stopped,
             StopReason::Failed => Exit::Fault,
             // If the render writes only a part, `merge` reports the missed target.
-            _ if !is_met(reached) && !self.outputs.is_part_alone() => Exit::CheckFailed,
+            _ if !is_met(reached)
+                && !self.outputs.is_part_alone()
+                && !self.request.has_default_noise =>
+            {
+                Exit::CheckFailed
+            }
             _ => Exit::Done,
         })
     }
 
-    /// Writes the part and the pictures.
+    /// Writes the part and the pictures. Returns how far the colours are from the legend.
     ///
     /// # Errors
     /// If there is not one sample, or a file cannot be written. The other files are then still
     /// written where possible, and what would be lost is saved elsewhere.
-    fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<()> {
+    fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<Option<f64>> {
         let session = self.session;
         if session.film().sample_count() == 0 {
             let help = "no sample was finished, so no picture was written";
             return Err(Error::cancelled().with_help(help));
         }
         let picture = OnceLock::new();
-        let shown = || picture.get_or_init(|| session.picture());
+        let scene = session.prepared().scene();
+        let shown = || picture.get_or_init(|| self.outputs.with_columns(session.picture(), scene));
         // After a signal somebody waits for the program to exit. But a finished picture has the
         // same bytes whenever the signal came.
         let in_haste = reached.stop_reason == StopReason::Stopped;
@@ -92,10 +97,15 @@ impl RenderFinisher<'_> {
         let manner = RetryPolicy { skip_retries: &|| self.interrupt.is_requested(), warn: &warn };
         let saved = save::save_all(&tasks, &manner);
         drop(tasks);
+        let mut color_difference = None;
         if let Some(picture) = picture.into_inner() {
+            if self.outputs.has_legend() && !in_haste {
+                let look = &self.request.delivery.look;
+                color_difference = session.color_difference(&picture, look);
+            }
             last_look.set_picture(picture);
         }
-        saved
+        saved.map(|()| color_difference)
     }
 
     fn checkpoint_task<'a>(
@@ -111,7 +121,12 @@ impl RenderFinisher<'_> {
     }
 
     /// Prints the report.
-    fn report(&self, reached: &RunOutcome, render_s: f64) -> Result<()> {
+    fn report(
+        &self,
+        reached: &RunOutcome,
+        render_s: f64,
+        color_difference: Option<f64>,
+    ) -> Result<()> {
         let (samples, rays, about_film) = self.session.statistics();
         let complaint =
             reached.noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string());
@@ -126,6 +141,7 @@ impl RenderFinisher<'_> {
             rays,
             times: self.times,
             render_s,
+            color_difference,
             warnings: warnings.concat(),
         };
         report.print()

@@ -13,7 +13,9 @@ use crate::error::{Error, Result};
 use crate::job::{Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES};
 use crate::overlay::OverlaySpec;
 use crate::scene::settings::ImageSettings;
-use crate::scene::{CameraEnclosure, Scene, SceneFile, SceneSource, Settings, read_text};
+use crate::scene::{
+    CameraEnclosure, ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text,
+};
 
 use crate::studio::overlay_spec;
 
@@ -53,9 +55,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 
 /// Renders one scene or particle file.
 fn run_one(request: &RenderRequest, args: &RenderArgs) -> Result<Exit> {
-    if !ParticleFile::is_one(&request.scene, &request.overrides) {
-        particle_file::refuse_options(&request.scene, args.studio.first_given())?;
+    if ParticleFile::is_one(&request.scene, &request.overrides) {
+        return execute(&request.clone().until_good());
     }
+    particle_file::refuse_options(&request.scene, args.studio.first_given())?;
     execute(request)
 }
 
@@ -70,17 +73,19 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     let mut outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
     let keep = CheckpointTarget::new(request.checkpoint.as_deref(), &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
-    let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
+    let mut viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
     let interrupt = interrupt::listen();
     let mut clock = Clock(Instant::now());
     let threads = (request.job.threads > 0).then_some(request.job.threads);
-    let Loaded { scene, settings, overlay } = on_threads(threads, || load(request))?;
-    outputs.set_overlay(overlay);
+    let Loaded { scene, settings, overlay, columns } = on_threads(threads, || load(request))?;
+    viewers.set_overlay(overlay.as_ref());
+    outputs.set_overlay(overlay.clone());
+    outputs.set_columns(columns);
     let load_s = clock.lap();
     let about_spheres = about_spheres(&scene, &settings.image);
     about_spheres.iter().for_each(print::warning);
 
-    let session = open(request, &scene, settings, keep.as_ref(), &interrupt)?;
+    let session = open(request, &scene, settings, overlay, keep.as_ref(), &interrupt)?;
     let times = Times { load_s, build_s: session.build_seconds() };
     let progress = ProgressDisplay::new(request.quiet);
     interrupt.enable_saving();
@@ -108,6 +113,8 @@ struct Loaded {
     settings: Settings,
     /// What is drawn over its picture.
     overlay: Option<OverlaySpec>,
+    /// Columns of its particle file that are layers.
+    columns: Option<ColumnLayers>,
 }
 
 /// Loads the scene and its settings, if they fit into memory.
@@ -122,8 +129,12 @@ fn load(request: &RenderRequest) -> Result<Loaded> {
     memory::check(&file, &needs, request.memory_limit)?;
     let OutputSpec { overlay, dpi, .. } = &request.delivery;
     let overlay = overlay_spec(overlay, &file, *dpi);
+    let columns = match &request.delivery.columns[..] {
+        [] => None,
+        names => Some(ColumnLayers::of_scene_file(&file, names)?),
+    };
     let (scene, settings) = file.build()?;
-    Ok(Loaded { scene, settings, overlay })
+    Ok(Loaded { scene, settings, overlay, columns })
 }
 
 /// Reads the scene, or makes one of a particle file.
@@ -135,8 +146,13 @@ fn read_scene(request: &RenderRequest) -> Result<SceneFile> {
     if !ParticleFile::is_one(path, overrides) {
         return scene_file::read(path, overrides);
     }
-    let file = ParticleFile { path, overrides, quiet: request.quiet };
-    Ok(file.import(&request.studio)?.scene)
+    let file = ParticleFile { path, overrides };
+    let mut import = file.import(&request.studio)?;
+    import.choices.extend(request.default_choices());
+    if !request.quiet {
+        particle_file::tell(&import);
+    }
+    Ok(import.scene)
 }
 
 /// Opens the render session, with the samples of the checkpoint if there are any.
@@ -144,6 +160,7 @@ fn open(
     request: &RenderRequest,
     scene: &Scene,
     settings: Settings,
+    overlay: Option<OverlaySpec>,
     keep: Option<&CheckpointTarget>,
     interrupt: &Interrupt,
 ) -> Result<Session> {
@@ -161,6 +178,7 @@ fn open(
         build_progress: progress::build_progress(request.quiet),
         output: keep.map(|keep| recorded(&request.delivery, &keep.path)),
         command: Some(system::command_line()),
+        overlay,
     };
     let keep_every = request.delivery.save_every;
     let Some(keep) = keep else { return Session::new(scene, job, opening) };

@@ -32,6 +32,8 @@ pub(super) struct Report<'a> {
     pub(super) rays: u64,
     pub(super) times: Times,
     pub(super) render_s: f64,
+    /// Median CIEDE2000 between the colours of particles and those of the legend.
+    pub(super) color_difference: Option<f64>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -95,6 +97,11 @@ impl Report<'_> {
         if let Some(peak) = system::peak_memory() {
             line(format_args!(", peak memory {}", print::bytes(peak)));
         }
+        if let Some(difference) = self.color_difference {
+            line(format_args!(
+                "\ncolours differ from the legend by {difference:.1} (median CIEDE2000)"
+            ));
+        }
         line(format_args!("\n{}", self.ending()));
         text
     }
@@ -122,6 +129,7 @@ impl Report<'_> {
             "samples_in_all": session.film().sample_count(),
             "rays": self.rays,
             "error": self.reached.error,
+            "color_difference": self.color_difference,
             "noise": self.reached.noise.map(noise_in_json),
             "samples_per_s": self.samples as f64 / self.render_s,
             "rays_per_s": self.rays as f64 / self.render_s,

@@ -8,11 +8,18 @@ use crate::cli::outputs::{is_part, is_stdout};
 use crate::cli::scene_file::STANDARD_INPUT;
 use crate::error::{Error, Result};
 use crate::image_io::FileFormat;
-use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec};
+use crate::job::{CheckpointHeader, FilePath, Job, NoiseTarget, OutputSpec};
 use crate::scene::{Override, SceneSource};
 use crate::studio::StudioOptions;
 
+/// The noise of a good picture of a particle file.
+const GOOD_NOISE: f64 = 0.05;
+
+/// The most samples per pixel that a good picture may take.
+const GOOD_SAMPLES: u32 = 1024;
+
 /// A render to execute, as the options or a checkpoint specify it.
+#[derive(Clone)]
 pub(in crate::cli) struct RenderRequest {
     pub(in crate::cli) scene: PathBuf,
     pub(in crate::cli) overrides: Vec<Override>,
@@ -23,6 +30,8 @@ pub(in crate::cli) struct RenderRequest {
     pub(in crate::cli) memory_limit: Option<u64>,
     /// What to render, and how.
     pub(in crate::cli) job: Job,
+    /// True if the noise target is that of particle files, which nobody asked for.
+    pub(in crate::cli) has_default_noise: bool,
     /// True if the settings come from the scene file, false if they come from `job`.
     pub(in crate::cli) has_settings_of_file: bool,
     /// Samples per pixel, overriding the scene file.
@@ -66,6 +75,7 @@ impl RenderRequest {
             overrides: args.overrides(),
             studio: args.studio.options(),
             scene_text: None,
+            has_default_noise: false,
             has_settings_of_file: true,
             memory_limit: args.memory.limit,
             job,
@@ -78,6 +88,37 @@ impl RenderRequest {
             is_resumed: false,
             quiet: args.quiet,
             json: args.json,
+        }
+    }
+
+    /// Renders until the picture is good, if no option says when to stop and nothing else decides.
+    #[must_use]
+    pub(in crate::cli) fn until_good(mut self) -> Self {
+        const DECIDING: [&str; 3] =
+            ["render.samples_per_pixel", "render.integrator", "render.sampler"];
+        let is_deciding = |given: &Override| DECIDING.contains(&&*given.key);
+        let until = &mut self.job.until;
+        if until.noise.is_some()
+            || until.time.is_some()
+            || self.job.samples.is_some()
+            || self.overrides.iter().any(is_deciding)
+        {
+            return self;
+        }
+        until.noise = Some(NoiseTarget::new(GOOD_NOISE));
+        self.has_default_noise = true;
+        self.overrides.push(Override::new(DECIDING[0], GOOD_SAMPLES.to_string()));
+        self
+    }
+
+    /// The options that would say what [`Self::until_good`] chose.
+    pub(in crate::cli) fn default_choices(&self) -> Vec<(&'static str, String)> {
+        match self.has_default_noise {
+            true => {
+                let noise = format!("{}%", 100.0 * GOOD_NOISE);
+                vec![("noise", noise), ("max-spp", GOOD_SAMPLES.to_string())]
+            }
+            false => Vec::new(),
         }
     }
 
@@ -100,6 +141,7 @@ impl RenderRequest {
                 accel: BackendChoice::Only(header.metadata.intersector),
                 ..header.job.clone()
             },
+            has_default_noise: false,
             has_settings_of_file: false,
             samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
             is_extended: false,

@@ -8,15 +8,16 @@ mod preview;
 mod tev;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::error::Result;
 use crate::film::FilmFrame;
 use crate::image_io::Picture;
 use crate::job::{BudgetedTimer, FilePath, OutputSpec, Session, frame_crop};
+use crate::overlay::OverlaySpec;
 
 use super::interrupt::Interrupt;
 use super::print;
@@ -57,6 +58,13 @@ impl Viewers {
         let tev = delivery.tev.as_deref().map(|place| Tev::connect(place, name));
         let (preview, tev) = (there(preview, is_resumed)?, there(tev, is_resumed)?);
         Ok(Self { preview, tev, every: delivery.preview_every })
+    }
+
+    /// Sets what is drawn over previews.
+    pub(super) fn set_overlay(&mut self, overlay: Option<&OverlaySpec>) {
+        if let (Some(preview), Some(overlay)) = (&mut self.preview, overlay) {
+            preview.set_overlay(Arc::new(overlay.draw()));
+        }
     }
 
     fn is_empty(&self) -> bool {

@@ -1,17 +1,19 @@
 //! The current picture in a file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::cli::print;
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
-use crate::image_io::Picture;
-use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
+use crate::image_io::{CropWindow, ImageWriter, OverlayImage, Picture, WriteOptions};
 
 /// A preview file that is replaced atomically with every update.
 pub(super) struct Preview {
     path: PathBuf,
     look: ViewTransform,
+    /// What is drawn over the picture.
+    overlay: Option<Arc<OverlayImage>>,
     /// True if the last attempt failed and a warning was printed.
     is_failing: bool,
 }
@@ -31,7 +33,12 @@ impl Preview {
             .with_help("name a .png file; -o chooses the format of the picture"));
         }
         ImageWriter::new(path)?;
-        Ok(Self { path: path.to_owned(), look, is_failing: false })
+        Ok(Self { path: path.to_owned(), look, overlay: None, is_failing: false })
+    }
+
+    /// Sets what is drawn over the picture.
+    pub(super) fn set_overlay(&mut self, overlay: Arc<OverlayImage>) {
+        self.overlay = Some(overlay);
     }
 
     /// Replaces the file. `cropped_from` is the crop window of the finished picture, on whose grid
@@ -39,7 +46,7 @@ impl Preview {
     /// once until a write succeeds again.
     pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
         let notes = WriteOptions {
-            overlay: None,
+            overlay: self.overlay.clone(),
             crop_window: cropped_from,
             view_transform: self.look,
             fast: true,

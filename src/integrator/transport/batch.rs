@@ -11,6 +11,7 @@ use super::super::profile::{Stage, StageClock};
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
+use super::chain::ChainRecord;
 use super::lanes::VertexBatches;
 use super::opacity::ShadowWalk;
 use super::path_tracer::PathTracer;
@@ -30,6 +31,9 @@ pub(super) struct PathBatch<'a, R> {
     pub(super) samplers: Vec<Sampler>,
     /// The MIS record of the previous vertex of each sample's path.
     pub(super) prev_vertices: Vec<PrevVertex>,
+    /// Where each sample's path last scattered in more than one direction, and what has happened
+    /// since; empty in scenes without connections.
+    pub(super) chain_records: Vec<ChainRecord>,
     pub(super) stats: RenderStats,
     pub(super) clock: StageClock,
     pub(super) recorder: &'a mut R,
@@ -48,6 +52,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let room = self.samples.len().max(self.prev_vertices.len());
         self.prev_vertices.resize(room, PrevVertex::NONE);
+        if self.context.prepared.connections().is_some() {
+            let room = self.samples.len().max(self.chain_records.len());
+            self.chain_records.resize(room, ChainRecord::NONE);
+        }
         self.clock.begin();
         self.generate_camera_paths(workspace);
         self.clock.end(Stage::CameraRays);
@@ -58,6 +66,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         workspace.visible_surfaces = self.visible_surfaces;
         workspace.samplers = self.samplers;
         workspace.prev_vertices = self.prev_vertices;
+        workspace.chain_records = self.chain_records;
         workspace.clock = self.clock;
         self.stats
     }
@@ -130,13 +139,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             walk.run(occluded, rays, hits);
             self.stats = self.stats + walk.stats;
             self.clock.end(Stage::Occlusion);
-            for (pending, &visibility) in shadow_rays.pending.iter().zip(&*visibility) {
-                self.add_direct(pending, visibility);
-            }
+            self.add_all_direct(&shadow_rays.pending, visibility.iter().copied());
         } else {
-            for (pending, &is_occluded) in shadow_rays.pending.iter().zip(&*occluded) {
-                self.add_direct(pending, if is_occluded { Rgb::ZERO } else { Rgb::ONE });
-            }
+            let visibility =
+                occluded.iter().map(|&is_occluded| if is_occluded { Rgb::ZERO } else { Rgb::ONE });
+            self.add_all_direct(&shadow_rays.pending, visibility);
         }
         self.clock.end(Stage::AddingLight);
     }
@@ -183,6 +190,24 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
+    /// Adds the unoccluded parts of the pending contributions, given the fraction of light that
+    /// each shadow ray transmits.
+    #[inline(always)]
+    fn add_all_direct(
+        &mut self,
+        pending: &[PendingDirect],
+        transmitted: impl Iterator<Item = Rgb>,
+    ) {
+        let mut visibility = Rgb::ONE;
+        for (pending, transmitted) in pending.iter().zip(transmitted) {
+            visibility *= transmitted;
+            if !pending.has_more {
+                self.add_direct(pending, visibility);
+                visibility = Rgb::ONE;
+            }
+        }
+    }
+
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
     fn add_direct(&mut self, pending: &PendingDirect, visibility: Rgb) {
@@ -192,7 +217,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let contribution =
             self.clamp_contribution(pending.radiance * visibility, pending.is_direct);
         self.add_contribution(pending.batch_index, contribution);
-        self.recorder.record(|| PathEvent::ShadowRay { visibility, contribution });
+        let connection = pending.connection;
+        self.recorder.record(|| PathEvent::ShadowRay { connection, visibility, contribution });
     }
 
     /// Adds a contribution to a sample.

@@ -7,11 +7,13 @@
 //!
 //! The stages of one edge, in a file each where they are more than a loop: camera rays
 //! ([`camera_paths`]), closest hits ([`batch`]), surfaces and their emission ([`shade`]), light
-//! sampling ([`next_event`]), BSDF sampling and Russian roulette ([`scatter`]), occlusion
+//! sampling ([`next_event`]), connections ([`connect`]), BSDF sampling and Russian roulette ([`scatter`]), occlusion
 //! ([`batch`]).
 
 mod batch;
 mod camera_paths;
+mod chain;
+mod connect;
 mod lanes;
 mod next_event;
 mod opacity;
@@ -36,6 +38,7 @@ use super::workspace::Workspace;
 use batch::PathBatch;
 
 pub(super) use camera_paths::CameraRayBatch;
+pub(super) use chain::ChainRecord;
 pub(super) use lanes::VertexBatches;
 pub(super) use path_tracer::PathTracer;
 pub(super) use paths::{PathQueue, PrevVertex, ShadowRays};
@@ -51,9 +54,15 @@ impl Integrator for PathTracer {
         let stats = RenderStats::default();
         let recorder = &mut NullRecorder;
         workspace.reset_visible_surfaces(samples.len());
-        let Workspace { media, visible_surfaces, samplers, prev_vertices, .. } = workspace;
-        let (media, visible_surfaces, samplers, prev_vertices) =
-            (take(media), take(visible_surfaces), take(samplers), take(prev_vertices));
+        let Workspace { media, visible_surfaces, samplers, prev_vertices, chain_records, .. } =
+            workspace;
+        let (media, visible_surfaces, samplers, prev_vertices, chain_records) = (
+            take(media),
+            take(visible_surfaces),
+            take(samplers),
+            take(prev_vertices),
+            take(chain_records),
+        );
         let clock = workspace.clock;
         let transport = self;
         PathBatch {
@@ -65,6 +74,7 @@ impl Integrator for PathTracer {
             visible_surfaces,
             samplers,
             prev_vertices,
+            chain_records,
             stats,
             clock,
             recorder,
@@ -84,6 +94,7 @@ impl Integrator for PathTracer {
             visible_surfaces: Vec::new(),
             samplers: Vec::new(),
             prev_vertices: Vec::new(),
+            chain_records: Vec::new(),
             stats: RenderStats::default(),
             clock: StageClock::default(),
             recorder: &mut events,

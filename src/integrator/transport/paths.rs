@@ -6,6 +6,8 @@ use crate::light::{CategoryPmf, LightSampleContext};
 use crate::material::MediumStack;
 use crate::math::{DVec3, NO_SPHERE};
 
+use super::chain::Chain;
+
 /// Hard limit on the edges of a path and on the surfaces it passes straight through. Paths that
 /// exceed it are counted and reported.
 pub(super) const MAX_PATH_EDGES: u32 = 10_000;
@@ -34,6 +36,8 @@ pub(super) struct PathState {
     /// True if the ray was sampled from a density; see
     /// [`PathBatch::pdf_light`](super::batch::PathBatch::pdf_light).
     pub(super) has_prev_vertex: bool,
+    /// The polished balls that the path has met since it last scattered in more than one direction.
+    pub(super) chain: Chain,
     /// Squared index of refraction at the path's current position: the factor by which refraction
     /// has divided `throughput` so far.
     pub(super) eta_scale: f32,
@@ -60,11 +64,15 @@ pub(in crate::integrator) struct PathQueue {
     pub(super) states: Vec<PathState>,
 }
 
-/// A contribution to a sample that is added if its shadow ray is unoccluded.
+/// A contribution to a sample that is added if its shadow rays are unoccluded.
 pub(super) struct PendingDirect {
     pub(super) batch_index: u32,
     pub(super) radiance: Rgb,
     pub(super) is_direct: bool,
+    /// True if the next shadow ray is another leg of the same light path.
+    pub(super) has_more: bool,
+    /// Number of the connection at its vertex, from 1; 0 is the light sample.
+    pub(super) connection: u8,
 }
 
 /// The shadow rays of a stage and their pending contributions.
@@ -100,6 +108,7 @@ impl PathState {
             passthroughs: 0,
             total_reflections: 0,
             has_prev_vertex: false,
+            chain: Chain::Other,
             eta_scale: 1.0,
         }
     }

@@ -3,6 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
+use crate::light::specular::{CasterPairs, PairSampler};
 use crate::light::{CategoryPmf, LightSample, LightSampleContext, LightSource};
 use crate::material::{Crossing, Lobe};
 use crate::math::{DVec3, Frame, renormalize};
@@ -12,8 +13,9 @@ use crate::scene::settings::{Estimator, MissPolicy};
 
 use super::super::context::RenderContext;
 use super::super::dimension::{VertexDimensions, bsdf_extra};
-use super::super::trace::{PathEvent, PathRecorder, Termination};
+use super::super::trace::{PathEvent, PathRecorder, Rival, Termination};
 use super::batch::PathBatch;
+use super::chain::{ChainPdfs, FoundLight};
 use super::next_event::Scattering;
 use super::opacity;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
@@ -38,6 +40,14 @@ pub(super) trait VertexNumbers {
         context: RenderContext<'_>,
         ctx: &LightSampleContext,
     ) -> (CategoryPmf, Option<LightSample>);
+    /// Chooses the pairs of a polished ball and a light to connect, of all or of those of the ball
+    /// `inside` which the vertex is.
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs;
     /// Two numbers for the BSDF's direction.
     fn direction(&self) -> [f64; 2];
     /// For the selection of the BSDF's lobe.
@@ -60,6 +70,15 @@ impl VertexNumbers for (Sampler, VertexDimensions) {
         let category_pmf = lights.category_pmf(ctx);
         let spheres = context.scene.spheres();
         (category_pmf, lights.sample_by(&category_pmf, spheres, ctx, u_select, u))
+    }
+
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs {
+        pairs.sample(ctx, inside, self.0.get_2d(self.1.connection_choice()))
     }
 
     fn direction(&self) -> [f64; 2] {
@@ -95,6 +114,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             self.record_background(path, radiance);
         } else if fault!(BackgroundCameraOnly) {
             radiance = Rgb::ZERO;
+        }
+        if let Some(pdfs) = self.chain_pdfs(state, direction, &FoundLight::Sun) {
+            // Connections find the sun alone, not the sky around it.
+            let sun = lights.sun_radiance(direction);
+            radiance = (radiance - sun).max(Rgb::ZERO);
+            self.add_connectable_emission(state, LightSource::Environment, sun, &pdfs);
         }
         let pdf_light =
             |prev: &PrevVertex| lights.environment_pdf(&prev.lights, direction, map_pdf);
@@ -160,7 +185,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let is_far = opacity::is_far_wall(scene, self.prev_vertex(&path.state), &hit);
             let wall = if is_far { LightSource::FarWall } else { LightSource::Emitter };
             let radiance = surface.material.emission * opacity;
-            self.add_emission(&path.state, path.ray.direction, wall(hit.id), radiance);
+            self.add_emission(&path.state, path.ray.direction, wall, &hit, radiance);
         }
         let is_absent =
             || !opacity::passes_opacity_test(&path.state, self.sampler(&path.state), opacity);
@@ -232,6 +257,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             if let Some(light) = light {
                 self.add_light_sample(state, &scattering, light, shadow_queue);
             }
+            let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, &ctx, inside);
+            self.add_connections(state, &scattering, choose, shadow_queue);
         }
         let u = numbers.direction();
         let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
@@ -268,9 +295,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         &mut self,
         state: &PathState,
         direction: DVec3,
-        source: LightSource,
+        wall: impl Fn(u32) -> LightSource,
+        hit: &SurfaceHit,
         radiance: Rgb,
     ) {
+        let source = wall(hit.id);
+        if let Some(pdfs) = self.chain_pdfs(state, direction, &FoundLight::Emitter(hit)) {
+            return self.add_connectable_emission(state, source, radiance, &pdfs);
+        }
         let (spheres, lights) = (self.context.scene.spheres(), self.context.prepared.lights());
         let pdf_light = |prev: &PrevVertex| {
             let ctx = prev.light_sample_context(spheres);
@@ -312,7 +344,32 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             source,
             radiance,
             pdf,
-            pdf_light,
+            rival: Rival::LightSample(pdf_light),
+            weight,
+            contribution,
+        });
+    }
+
+    /// Adds emission found by chance over a polished ball, with its MIS weight against connections.
+    fn add_connectable_emission(
+        &mut self,
+        state: &PathState,
+        source: LightSource,
+        radiance: Rgb,
+        pdfs: &ChainPdfs,
+    ) {
+        let weight = match self.integrator.estimator {
+            Estimator::Light => 0.0,
+            _ => power_heuristic(pdfs.chance, pdfs.connection) as f32,
+        };
+        let contribution =
+            self.clamp_contribution(state.throughput * radiance * weight, state.is_direct());
+        self.add_contribution(state.batch_index, contribution);
+        self.recorder.record(|| PathEvent::Emission {
+            source,
+            radiance,
+            pdf: Some(pdfs.chance),
+            rival: Rival::Connection(pdfs.connection),
             weight,
             contribution,
         });

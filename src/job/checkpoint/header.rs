@@ -94,6 +94,9 @@ pub struct OutputSpec {
     /// What is drawn over the pictures.
     #[serde(default)]
     pub overlay: OverlayChoice,
+    /// Columns of the particle file that are layers of the pictures.
+    #[serde(default)]
+    pub columns: Vec<String>,
     /// True if picture files include the record of the run.
     pub with_run_record: bool,
     /// Time between checkpoint writes.
@@ -114,6 +117,7 @@ impl Default for OutputSpec {
             look: ViewTransform::default(),
             dpi: None,
             overlay: OverlayChoice::default(),
+            columns: Vec::new(),
             with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,

@@ -63,6 +63,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     let path = || FilePath(PathBuf::from("/pictures/a.exr"));
     let output = OutputSpec {
         overlay: OverlayChoice::default(),
+        columns: Vec::new(),
         files: vec![path()],
         look: ViewTransform::default(),
         dpi: Some(300),

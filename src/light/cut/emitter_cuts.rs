@@ -4,6 +4,7 @@ use crate::geometry::{Cap, Side, Sphere, SphereCut, SphereSet};
 use crate::math::{DVec3, NO_SPHERE};
 
 use super::super::emitter::Emitter;
+use super::enclosure::Enclosure;
 use super::search;
 
 /// An opaque sphere that cuts an emitter.
@@ -16,6 +17,8 @@ struct OpaqueCut {
     side: Side,
     /// The cap that is exposed on that side.
     cap: Cap,
+    /// True if all points that are shaded are on that side.
+    is_certain: bool,
 }
 
 /// The cuts of one emitter: the one that hides most from outside the opaque sphere and the one that
@@ -39,6 +42,7 @@ impl OpaqueCut {
         opaque: Sphere { center: DVec3::ZERO, radius: 0.0 },
         side: Side::Inside,
         cap: Cap::WHOLE,
+        is_certain: true,
     };
 
     /// Returns true if the sphere hides a part of the emitter from a point on the sphere `id`. A
@@ -61,17 +65,32 @@ impl EmitterCut {
         let first = if a_hides { a.cap } else { Cap::WHOLE };
         if b_hides && b.cap.height() < first.height() { b.cap } else { first }
     }
+
+    /// Returns a sphere around the part of the emitter that can be seen from any point, no larger
+    /// than the emitter itself.
+    fn bounds(&self, emitter: &Sphere) -> Sphere {
+        let certain = self.by_side.iter().filter(|cut| cut.is_certain);
+        let smallest = certain.min_by(|a, b| a.cap.height().total_cmp(&b.cap.height()));
+        smallest.map_or(*emitter, |cut| cut.cap.bounds(emitter))
+    }
 }
 
 impl EmitterCuts {
-    /// Finds the cuts of all emitters, given in order, by the spheres that are opaque.
+    /// Finds the cuts of all emitters, given in order, by the spheres that are opaque. Points are
+    /// inside none of these but the enclosures.
     pub fn find(
         emitters: &[Emitter],
         spheres: &SphereSet,
         is_opaque: impl Fn(u32) -> bool + Sync,
+        enclosures: &[Enclosure],
     ) -> Self {
+        let enclosure = |id| enclosures.iter().find(|enclosure| enclosure.id == id);
+        let is_outside = |id| is_opaque(id) && enclosure(id).is_none();
+        let mut found = search::outside_cuts(emitters, spheres, &is_outside);
+        found.extend(search::inside_cuts(emitters, spheres, enclosures));
+        found.sort_by_key(|found| found.emitter);
         let mut all = Self::default();
-        for found in search::largest_cuts(emitters, spheres, &is_opaque) {
+        for found in found {
             let emitter = spheres.sphere(emitters[found.emitter as usize].id);
             let opaque = spheres.sphere(found.id);
             let Some(cut) = SphereCut::new(&emitter, &opaque) else { continue };
@@ -80,14 +99,20 @@ impl EmitterCuts {
                 all.cuts.push(EmitterCut { by_side: [OpaqueCut::NONE; 2] });
             }
             if let Some(last) = all.cuts.last_mut() {
-                let cap = cut.exposed_cap(found.side);
-                last.by_side[found.side as usize] =
-                    OpaqueCut { id: found.id, opaque, side: found.side, cap };
+                let (id, side, cap) = (found.id, found.side, cut.exposed_cap(found.side));
+                let is_certain = enclosure(id).is_none_or(|enclosure| enclosure.is_certain);
+                last.by_side[side as usize] = OpaqueCut { id, opaque, side, cap, is_certain };
             }
         }
         all.cuts.shrink_to_fit();
         all.emitters.shrink_to_fit();
         all
+    }
+
+    /// Returns a sphere around the part of an emitter that can be seen from any point that is
+    /// shaded: the emitter itself, or a smaller one.
+    pub(in super::super) fn bounds(&self, index: usize, emitter: &Sphere) -> Sphere {
+        self.of_emitter(index).map_or(*emitter, |cut| cut.bounds(emitter))
     }
 
     /// Returns the cut of an emitter; `None` if it is whole.
@@ -113,24 +138,33 @@ mod tests {
     }
 
     fn emitters(ids: impl IntoIterator<Item = u32>) -> Vec<Emitter> {
-        let emitter = |id| Emitter { id, emission: Rgb::ONE, transmittance: 0.0 };
-        ids.into_iter().map(emitter).collect()
+        ids.into_iter().map(|id| Emitter::opaque(id, Rgb::ONE)).collect()
     }
 
     fn ball(x: f64, radius: f64) -> Sphere {
         Sphere { center: DVec3::new(x, 0.0, 0.0), radius }
     }
 
-    /// Height of the cap of the first sphere, which emits, that a point sees.
+    /// Height of the cap of the first sphere, which emits, that a point sees. The point is inside
+    /// the spheres that it is inside of, and no other point is anywhere.
     fn height(others: &[Sphere], is_opaque: fn(&Sphere) -> bool, point: DVec3) -> f64 {
         let spheres = set([&[ball(0.0, 1.0)], others].concat());
         let id = (0..).find(|&id| spheres.row(id) == 0).expect("the first row");
         let opaque = |id| is_opaque(&spheres.sphere_as_written(id));
-        let cuts = EmitterCuts::find(&emitters([id]), &spheres, opaque);
-        let cap = cuts
-            .of_emitter(0)
-            .map(|cut| cut.exposed_cap(NO_SPHERE, point - spheres.origin(), Side::Outside));
-        cap.map_or(2.0, |cap| cap.height())
+        let point = point - spheres.origin();
+        let around = |&id: &u32| opaque(id) && spheres.sphere(id).contains(point);
+        let enclosures: Vec<Enclosure> = (0..spheres.len() as u32)
+            .filter(around)
+            .map(|id| Enclosure { id, is_certain: true })
+            .collect();
+        let cuts = EmitterCuts::find(&emitters([id]), &spheres, opaque, &enclosures);
+        let cut = cuts.of_emitter(0);
+        let height =
+            cut.map_or(2.0, |cut| cut.exposed_cap(NO_SPHERE, point, Side::Outside).height());
+        let bounds = cuts.bounds(0, &spheres.sphere(id));
+        let rim = if height < 1.0 { (height * (2.0 - height)).sqrt() } else { 1.0 };
+        assert!((bounds.radius - rim).abs() < 1e-9, "{height}: {bounds:?}");
+        height
     }
 
     #[test]
@@ -144,6 +178,9 @@ mod tests {
         assert_eq!(seen(&[ball(-2.0, 2.0), ball(-2.4, 1.5), ball(0.8, 0.4)]), half_hidden);
         assert_eq!(height(&[ball(-2.0, 2.0)], |_| false, DVec3::splat(9.0)), 2.0, "glass");
         assert_eq!(height(&[ball(-2.0, 2.0)], |s| s.radius < 1.5, DVec3::splat(9.0)), 2.0);
+        // A rim of radius 0.9, at x = 0.436, on a sphere of that radius.
+        let by_a_smaller_one = seen(&[ball(-0.19f64.sqrt(), 0.9)]);
+        assert!((by_a_smaller_one - 1.0 - 0.19f64.sqrt()).abs() < 1e-12, "{by_a_smaller_one}");
     }
 
     #[test]
@@ -153,12 +190,18 @@ mod tests {
         let seen = |x: f64| height(&others, |_| true, DVec3::new(x, 5.0, 0.0));
         let (in_the_room, in_the_wall) = (seen(3.0), seen(-1.0));
         assert!((0.199..0.2).contains(&in_the_room), "{in_the_room}");
-        assert_eq!(in_the_wall, 2.0, "from inside, the room hides more");
+        assert!((0.79..0.81).contains(&in_the_wall), "{in_the_wall}");
         let no_room = height(&others[..1], |_| true, DVec3::new(3.0, 5.0, 0.0));
         assert!((1.2..1.21).contains(&no_room), "{no_room}");
+        // Rooms of any size: the smaller of two, of which one is much smaller than the emitter.
+        let rooms = [ball(-5.1, 5.0), ball(-1.05, 0.2)];
+        let in_both = height(&rooms, |_| true, DVec3::new(-1.04, 0.0, 0.0));
+        let in_the_large_one = height(&rooms, |_| true, DVec3::new(-3.0, 0.0, 0.0));
+        assert!((0.0..0.03).contains(&in_both), "{in_both}");
+        assert!((0.8..0.81).contains(&in_the_large_one), "{in_the_large_one}");
     }
 
-    /// Against all pairs, on emitters and spheres of all sizes.
+    /// Against all pairs, on emitters, spheres and rooms of all sizes.
     #[test]
     fn the_search_finds_what_all_pairs_have() {
         let sphere = |i: u64| {
@@ -168,25 +211,34 @@ mod tests {
         let spheres = set((0..5000).map(sphere).collect());
         let emitters = emitters((0..5000).filter(|id| id % 7 == 0));
         let is_opaque = |id: u32| id % 3 != 0;
-        let cuts = EmitterCuts::find(&emitters, &spheres, is_opaque);
-        let mut found = 0;
+        let is_enclosure = |id: u32| id % 90 == 1;
+        let enclosures: Vec<Enclosure> = (0..5000)
+            .filter(|&id| is_enclosure(id))
+            .map(|id| Enclosure { id, is_certain: id % 2 == 0 })
+            .collect();
+        let cuts = EmitterCuts::find(&emitters, &spheres, is_opaque, &enclosures);
+        let (mut found, mut by_smaller) = (0, 0);
         for (index, emitter) in emitters.iter().enumerate() {
             let itself = spheres.sphere(emitter.id);
-            let heights = |side| {
+            let smallest = |side: Side| {
                 let cut = |id: u32| {
+                    let is_side = is_enclosure(id) == (side == Side::Inside);
+                    let counts = id != emitter.id && is_opaque(id) && is_side;
                     let opaque = spheres.sphere(id);
-                    let counts =
-                        id != emitter.id && is_opaque(id) && opaque.radius >= itself.radius;
-                    SphereCut::new(&itself, &opaque).filter(|_| counts).map(|cut| cut.height(side))
+                    let cut = SphereCut::new(&itself, &opaque).filter(|_| counts)?;
+                    Some((cut.height(side), opaque.radius))
                 };
-                (0..5000).filter_map(cut).filter(|&height| height <= 1.5).fold(2.0, f64::min)
+                let enough = (0..5000).filter_map(cut).filter(|(height, _)| *height <= 1.5);
+                enough.fold((2.0, f64::MAX), |a, b| if b.0 < a.0 { b } else { a })
             };
             for side in [Side::Outside, Side::Inside] {
                 let cap = cuts.of_emitter(index).map(|cut| cut.by_side[side as usize].cap.height());
-                assert_eq!(cap.unwrap_or(2.0), heights(side), "{index} {side:?}");
-                found += usize::from(cap.is_some_and(|height| height < 2.0));
+                let (height, radius) = smallest(side);
+                assert_eq!(cap.unwrap_or(2.0), height, "{index} {side:?}");
+                found += usize::from(height < 2.0);
+                by_smaller += usize::from(radius < itself.radius);
             }
         }
-        assert!(found > 300, "{found}");
+        assert!(found > 300 && by_smaller > 100, "{found} {by_smaller}");
     }
 }

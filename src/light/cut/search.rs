@@ -9,9 +9,15 @@ use crate::geometry::{Side, Sphere, SphereCut, SphereSet};
 
 use super::super::emitter::Emitter;
 use super::super::sphere_tree::{PendingRange, SphereBounds, SphereTree};
+use super::enclosure::Enclosure;
 
 /// Emitters of which a wall leaves more than this share of the surface are treated as whole.
 const MAX_EXPOSED: f64 = 0.75;
+/// A sphere hides a quarter of an emitter from outside only if its radius is at least this many
+/// times that of the emitter: half the square root of 3, rounded down.
+const MIN_RADIUS: f64 = 0.866;
+/// The maximum number of enclosures that are searched: the smallest ones, which hide most.
+const MAX_ENCLOSURES: usize = 64;
 /// Number of spheres that are searched in one go.
 const CHUNK: u32 = 4096;
 /// In one go, the maximum number of emitters tested for each sphere on average. What a chunk would
@@ -32,6 +38,18 @@ pub(super) struct FoundCut {
 }
 
 impl FoundCut {
+    /// Returns the cut by an opaque sphere with its id, as seen from one side; `None` if it hides
+    /// little.
+    fn new(
+        emitter: u32,
+        sphere: &Sphere,
+        (id, opaque): (u32, &Sphere),
+        side: Side,
+    ) -> Option<Self> {
+        let height = SphereCut::new(sphere, opaque)?.height(side);
+        (height <= 2.0 * MAX_EXPOSED).then_some(Self { emitter, side, height, id })
+    }
+
     fn key(&self) -> (u32, u8) {
         (self.emitter, self.side as u8)
     }
@@ -42,9 +60,9 @@ impl FoundCut {
     }
 }
 
-/// Finds the cut that hides most of each emitter from each side, sorted by emitter and side. The
-/// result does not depend on the thread count.
-pub(super) fn largest_cuts(
+/// Finds the cut that hides most of each emitter from outside the opaque spheres, sorted by
+/// emitter. The result does not depend on the thread count.
+pub(super) fn outside_cuts(
     emitters: &[Emitter],
     spheres: &SphereSet,
     is_opaque: &(impl Fn(u32) -> bool + Sync),
@@ -63,8 +81,8 @@ pub(super) fn largest_cuts(
             let opaque = spheres.sphere(id);
             for_each_cut(&tree, &opaque, &mut budget, &mut pending, |emitter, sphere| {
                 if emitters[emitter as usize].id != id {
-                    let cut = SphereCut::new(sphere, &opaque).filter(|_| is_opaque(id));
-                    found.extend(cut.into_iter().flat_map(|cut| by_side(emitter, id, &cut)));
+                    let cut = FoundCut::new(emitter, sphere, (id, &opaque), Side::Outside);
+                    found.extend(cut.filter(|_| is_opaque(id)));
                 }
             });
         }
@@ -80,8 +98,36 @@ pub(super) fn largest_cuts(
     (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(Vec::new, merge)
 }
 
-/// Calls `test` with every emitter whose surface `opaque` may cut and that is not larger, until the
-/// budget of tests is used up.
+/// Finds the cut that hides most of each emitter from inside the enclosures, sorted by emitter.
+///
+/// Spheres of any size count: from inside, one that is smaller than an emitter hides more of it
+/// than a large one. Only the few spheres that points can be inside of are searched, so the time is
+/// proportional to the number of emitters.
+pub(super) fn inside_cuts(
+    emitters: &[Emitter],
+    spheres: &SphereSet,
+    enclosures: &[Enclosure],
+) -> Vec<FoundCut> {
+    let mut walls: Vec<(u32, Sphere)> =
+        enclosures.iter().map(|enclosure| (enclosure.id, spheres.sphere(enclosure.id))).collect();
+    walls.sort_by(|(_, a), (_, b)| a.radius.total_cmp(&b.radius));
+    walls.truncate(MAX_ENCLOSURES);
+    if walls.is_empty() {
+        return Vec::new();
+    }
+    let largest = |(emitter, &Emitter { id, .. }): (usize, &Emitter)| {
+        let sphere = spheres.sphere(id);
+        let others = walls.iter().filter(|(wall, _)| *wall != id);
+        let cut = |(wall, opaque): &(u32, Sphere)| {
+            FoundCut::new(emitter as u32, &sphere, (*wall, opaque), Side::Inside)
+        };
+        others.filter_map(cut).min_by(FoundCut::order)
+    };
+    emitters.par_iter().enumerate().filter_map(largest).collect()
+}
+
+/// Calls `test` with every emitter whose surface `opaque` may cut so that much of it is hidden from
+/// outside, until the budget of tests is used up.
 #[inline]
 fn for_each_cut(
     tree: &SphereTree,
@@ -98,7 +144,7 @@ fn for_each_cut(
                 return ControlFlow::Break(());
             }
             *budget -= 1;
-            if sphere.radius <= opaque.radius {
+            if MIN_RADIUS * sphere.radius <= opaque.radius {
                 test(emitter, sphere);
             }
             ControlFlow::Continue(())
@@ -107,25 +153,16 @@ fn for_each_cut(
 }
 
 /// Returns false if `opaque` cuts no emitter within the bounds: `|d - R| < r` for none of them, or
-/// all are larger.
+/// all are too large for it to hide much.
 #[inline]
 fn may_be_cut(bounds: &SphereBounds, opaque: &Sphere) -> bool {
     let [smallest, largest] = bounds.radii;
     let [nearest, farthest] = bounds.distances_squared(opaque.center);
     let reach = opaque.radius + largest;
     let hollow = (opaque.radius - largest).max(0.0);
-    nearest <= reach * reach && farthest >= hollow * hollow && smallest <= opaque.radius
-}
-
-/// The cut as seen from each side from which it hides enough.
-fn by_side(emitter: u32, id: u32, cut: &SphereCut) -> impl Iterator<Item = FoundCut> + use<> {
-    let found = [Side::Outside, Side::Inside].map(|side| FoundCut {
-        emitter,
-        side,
-        height: cut.height(side),
-        id,
-    });
-    found.into_iter().filter(|found| found.height <= 2.0 * MAX_EXPOSED)
+    nearest <= reach * reach
+        && farthest >= hollow * hollow
+        && MIN_RADIUS * smallest <= opaque.radius
 }
 
 fn keep_first(mut found: Vec<FoundCut>) -> Vec<FoundCut> {

@@ -65,10 +65,10 @@ impl SunLight {
         self.irradiance * clipped_cosine(cos, self.sin_max)
     }
 
-    /// Returns the unit direction to the centre of the disc, and the irradiance on a surface that
-    /// faces it, in luminance.
-    pub(in crate::light) fn beam(&self) -> (DVec3, f64) {
-        (self.frame.z, self.irradiance)
+    /// Returns the unit direction to the centre of the disc, the irradiance on a surface that faces
+    /// it, in luminance, and the solid angle.
+    pub(in crate::light) fn beam(&self) -> (DVec3, f64, f64) {
+        (self.frame.z, self.irradiance, TAU * self.one_minus_cos_max)
     }
 
     /// Returns true if a direction is within the disc. Compares squared chords, which resolve small

@@ -3,43 +3,51 @@
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-use super::connection::{Connection, Connections};
+use super::connection::Connection;
 use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
 use super::phase::Phase;
 use super::plane::{Plane, Target};
 use super::reflection::outer_leg;
 
-/// Returns all paths from a point inside a ball, whose index of refraction over that of its
+/// Finds all paths from a point inside a ball, whose index of refraction over that of its
 /// surroundings is `ior`, to the outside, refracted once.
-pub(super) fn connect_outward(ball: &Sphere, ior: f64, x: DVec3, y: Target) -> Connections {
-    let mut all = Connections::NONE;
+#[inline]
+pub(super) fn connect_outward(
+    ball: &Sphere,
+    ior: f64,
+    (x, y): (DVec3, Target),
+    mut found: impl FnMut(Connection),
+) {
     let plane = Plane::new(*ball, x, y);
-    let Some([near, far]) = deflections(&plane, ior) else { return all };
+    let Some([near, far]) = deflections(&plane, ior) else { return };
     let theta = Phase::half_of(plane.cos_theta, plane.sin_theta);
     let rest = Phase::half_of(-plane.cos_theta, plane.sin_theta);
     for branch in near.branches().iter().flatten() {
         if let Some(root) = near.root(branch, theta.negated()) {
-            all.push(connection(&plane, &near, &root, [1.0, 1.0]));
+            found(connection(&plane, &near, &root, [1.0, 1.0]));
         }
     }
     for branch in far.branches().iter().flatten() {
         for (half_target, side) in [(rest.negated(), 1.0), (rest, -1.0)] {
             if let Some(root) = far.root(branch, half_target.negated()) {
-                all.push(connection(&plane, &far, &root, [-1.0, side]));
+                found(connection(&plane, &far, &root, [-1.0, side]));
             }
         }
     }
-    all
 }
 
-/// Returns all paths from a point outside a ball to one inside, refracted once: those from inside,
+/// Finds all paths from a point outside a ball to one inside, refracted once: those from inside,
 /// reversed.
-pub(super) fn connect_inward(ball: &Sphere, ior: f64, x: DVec3, y: DVec3) -> Connections {
-    let mut all = Connections::NONE;
-    for connection in connect_outward(ball, ior, y, Target::Point(x)).iter() {
-        all.push(connection.reversed(inward_spread(connection.spread, ior)));
-    }
-    all
+#[inline]
+pub(super) fn connect_inward(
+    ball: &Sphere,
+    ior: f64,
+    (x, y): (DVec3, DVec3),
+    mut found: impl FnMut(Connection),
+) {
+    connect_outward(ball, ior, (y, Target::Point(x)), |outward| {
+        found(outward.reversed(inward_spread(outward.spread, ior)));
+    });
 }
 
 /// Returns the spread of a path from inside that leaves x at an angle of this cosine and sine from

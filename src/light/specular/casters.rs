@@ -80,14 +80,23 @@ impl Casters {
         &self.casters
     }
 
+    /// Returns the index of refraction of a ball, relative to vacuum; `None` if it is opaque.
+    pub fn ior(&self, index: u32) -> Option<f64> {
+        match self.casters[index as usize].surface {
+            CasterSurface::Opaque(_) => None,
+            CasterSurface::Dielectric(ior) => Some(ior),
+        }
+    }
+
     /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.casters.is_empty()
     }
 
     /// Returns the index of a sphere among the balls.
-    pub fn index_of(&self, id: u32) -> Option<usize> {
-        self.casters.binary_search_by_key(&id, |caster| caster.id).ok()
+    pub fn index_of(&self, id: u32) -> Option<u32> {
+        let index = self.casters.binary_search_by_key(&id, |caster| caster.id).ok()?;
+        Some(index as u32)
     }
 }
 

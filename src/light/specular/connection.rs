@@ -2,7 +2,6 @@
 
 use std::ops::Deref;
 
-use crate::fault::fault;
 use crate::math::DVec3;
 
 /// The most connections of one kind between two points.
@@ -90,8 +89,7 @@ impl Connections {
 
     #[inline(always)]
     pub(super) fn push(&mut self, connection: Connection) {
-        let max = if fault!(ConnectionRootMissing) { 1 } else { MAX_CONNECTIONS };
-        if self.count < max {
+        if self.count < MAX_CONNECTIONS {
             self.list[self.count] = connection;
             self.count += 1;
         }

@@ -118,6 +118,9 @@ impl Deflection {
         let (mut sines, mut cosines) = ([0.0; TERMS], [1.0; TERMS]);
         let (mut half, mut slope) = (Phase::of(1.0, 0.0), 0.0);
         for j in 0..TERMS {
+            if self.weights[j] == 0 {
+                continue;
+            }
             // cos^2 = 1 - m^2 s^2 = cos^2 v + (1 - m^2) s^2, without cancellation.
             let sin = self.ratios[j] * sin_v;
             let cos = (cos_v * cos_v + self.rests[j] * sin_v * sin_v).sqrt();

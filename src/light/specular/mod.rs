@@ -74,6 +74,7 @@ mod phase;
 mod plane;
 mod reflection;
 mod through;
+mod worth;
 
 #[cfg(test)]
 mod tests;
@@ -85,3 +86,4 @@ pub use pair::{CasterPair, ConnectedLight};
 pub use pairs::{CasterPairs, MAX_PAIRS, PairSampler};
 pub use path_kind::SpecularPath;
 pub use plane::Target;
+pub use worth::{PairWorth, is_accepted};

@@ -15,11 +15,13 @@ pub enum ConnectedLight {
 /// A chosen pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterPair {
+    /// Number among the pairs that are all tried; 0 for a choice of many.
+    pub n: u32,
     /// Index of the ball.
     pub caster: u32,
     /// The light.
     pub light: ConnectedLight,
-    /// Probability of the choice: 1 if all pairs are tried.
+    /// Probability of the choice.
     pub pmf: f64,
 }
 
@@ -32,7 +34,33 @@ pub(super) struct ConnectedEmitter {
     pub(super) power: f64,
 }
 
+/// Where an emitter is, seen from a ball.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EmitterPlace {
+    /// Outside of the ball, and not around it.
+    Apart,
+    /// Inside the ball.
+    Inside,
+    /// Touching the surface of the ball, around it, or the ball itself.
+    Elsewhere,
+}
+
 impl ConnectedEmitter {
+    /// Returns where the emitter is, seen from the ball with this id.
+    #[inline]
+    pub(super) fn place(&self, id: u32, ball: &Sphere) -> EmitterPlace {
+        let distance = self.sphere.center.distance(ball.center);
+        if self.id == id {
+            EmitterPlace::Elsewhere
+        } else if distance >= self.sphere.radius + ball.radius {
+            EmitterPlace::Apart
+        } else if distance + self.sphere.radius < ball.radius {
+            EmitterPlace::Inside
+        } else {
+            EmitterPlace::Elsewhere
+        }
+    }
+
     /// Irradiance at a point of a surface that faces the emitter, and the unit direction to it.
     pub(super) fn irradiance(&self, point: DVec3) -> (f64, DVec3) {
         let to_light = self.sphere.center - point;

@@ -76,13 +76,13 @@ impl PairTrees {
         let (center, sun_share) = self.lit[caster as usize];
         if u_light < sun_share {
             let pmf = of_caster * sun_share;
-            return Some(CasterPair { caster, light: ConnectedLight::Sun, pmf });
+            return Some(CasterPair { n: 0, caster, light: ConnectedLight::Sun, pmf });
         }
         let u_light = ((u_light - sun_share) / (1.0 - sun_share)).min(1.0 - f64::EPSILON);
         let importance = |bounds: &LightBounds| bounds.importance_facing(center);
         let (index, pmf) = self.emitters.as_ref()?.sample_by(importance, u_light)?;
         let pmf = of_caster * (1.0 - sun_share) * pmf;
-        Some(CasterPair { caster, light: ConnectedLight::Emitter(index), pmf })
+        Some(CasterPair { n: 0, caster, light: ConnectedLight::Emitter(index), pmf })
     }
 
     /// Returns the probability with which [`Self::sample`] chooses a pair.

@@ -14,10 +14,13 @@ use crate::math::DVec3;
 use super::super::context::LightSampleContext;
 use super::super::emitter::Emitter;
 use super::super::light_bounds::{LightBounds, LightItem};
-use super::casters::{Caster, CasterSurface};
+use super::casters::{Caster, CasterSurface, Casters};
+use super::emitter_view::EmitterView;
 use super::focusing::focusing;
-use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight};
+use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight, EmitterPlace};
 use super::pair_trees::PairTrees;
+use super::path_kind::SpecularPath;
+use super::worth::{PairWorth, is_accepted};
 
 /// Up to this many pairs are all tried.
 pub const MAX_PAIRS: usize = 8;
@@ -35,10 +38,13 @@ pub struct CasterPairs {
 /// Selection probabilities of all pairs.
 #[derive(Debug)]
 pub struct PairSampler {
-    casters: Vec<Caster>,
+    casters: Casters,
     emitters: Vec<ConnectedEmitter>,
     /// Direction and irradiance of the sun.
     sun: Option<(DVec3, f64)>,
+    sun_solid_angle: f64,
+    /// Of each pair, if all are tried.
+    worths: Vec<PairWorth>,
     trees: Option<PairTrees>,
 }
 
@@ -51,11 +57,11 @@ impl CasterPairs {
 
 impl PairSampler {
     /// Creates the sampler of all pairs of these balls with the emitters and the sun, given by its
-    /// direction and irradiance.
+    /// direction, irradiance and solid angle.
     pub fn new(
-        casters: &[Caster],
+        casters: Casters,
         emitters: &[Emitter],
-        sun: Option<(DVec3, f64)>,
+        sun: Option<(DVec3, f64, f64)>,
         spheres: &SphereSet,
     ) -> Self {
         let connected = |emitter: &Emitter| {
@@ -64,18 +70,101 @@ impl PairSampler {
             ConnectedEmitter { id: emitter.id, sphere, power }
         };
         let emitters: Vec<_> = emitters.iter().map(connected).collect();
-        let casters = casters.to_vec();
-        let mut sampler = Self { casters, emitters, sun, trees: None };
+        let sun_solid_angle = sun.map_or(0.0, |sun| sun.2);
+        let sun = sun.map(|(direction, irradiance, _)| (direction, irradiance));
+        let worths = Vec::new();
+        let mut sampler = Self { casters, emitters, sun, sun_solid_angle, worths, trees: None };
+        if !sampler.needs_choice() {
+            sampler.worths = sampler.pairs(None).map(|pair| sampler.compute_worth(pair)).collect();
+        }
         if sampler.pair_count() > MAX_FEW {
             let sun = sun.map_or(0.0, |(_, irradiance)| irradiance);
-            sampler.trees = Some(PairTrees::new(&sampler.casters, &sampler.emitters, sun));
+            sampler.trees = Some(PairTrees::new(sampler.casters.all(), &sampler.emitters, sun));
         }
         sampler
     }
 
     /// The balls.
-    pub fn casters(&self) -> &[Caster] {
+    pub fn casters(&self) -> &Casters {
         &self.casters
+    }
+
+    /// Returns the kinds of paths over a ball that lead to a light, from a point that is inside of
+    /// the ball or, outside of it, anywhere: empty if they are left to chance, as with an emitter
+    /// that cuts the ball's surface.
+    #[inline]
+    pub fn kinds(
+        &self,
+        caster: u32,
+        is_inside: bool,
+        light: ConnectedLight,
+    ) -> &'static [SpecularPath] {
+        let Caster { id, ball, surface } = self.casters.all()[caster as usize];
+        let place = match light {
+            ConnectedLight::Emitter(index) => self.emitters[index as usize].place(id, &ball),
+            ConnectedLight::Sun => EmitterPlace::Apart,
+        };
+        match (surface, is_inside, place) {
+            (CasterSurface::Opaque(_), false, EmitterPlace::Apart) => &[SpecularPath::Reflection],
+            (CasterSurface::Dielectric(_), false, EmitterPlace::Apart) => {
+                &SpecularPath::OVER_DIELECTRIC
+            }
+            (CasterSurface::Dielectric(_), false, EmitterPlace::Inside) => &[SpecularPath::Inward],
+            (CasterSurface::Dielectric(_), true, EmitterPlace::Apart) => &[SpecularPath::Outward],
+            _ => &[],
+        }
+    }
+
+    /// Returns an emitter as connections over a ball see it from a point; `None` if it does not
+    /// face the ball.
+    #[inline]
+    pub fn view(&self, caster: u32, emitter: u32, from: DVec3) -> Option<EmitterView> {
+        let Caster { id, ball, .. } = &self.casters.all()[caster as usize];
+        let of = &self.emitters[emitter as usize];
+        match (of.place(*id, ball), self.casters.ior(caster)) {
+            (EmitterPlace::Inside, Some(ior)) => {
+                EmitterView::through_boundary(ball, ior, from, &of.sphere)
+            }
+            _ => EmitterView::from_ball(ball, &of.sphere),
+        }
+    }
+
+    /// Returns the probability with which a chosen pair is connected at x.
+    #[inline]
+    pub fn worth(&self, pair: (u32, ConnectedLight), is_inside: bool, x: DVec3) -> f64 {
+        let computed;
+        let worth = match self.worths.get(self.index_of(pair.0, pair.1)) {
+            Some(worth) => worth,
+            None => {
+                computed = self.compute_worth(pair);
+                &computed
+            }
+        };
+        if is_inside {
+            worth.inside(x)
+        } else if worth.is_dielectric() {
+            worth.at::<true>(x)
+        } else {
+            worth.at::<false>(x)
+        }
+    }
+
+    /// The worth of each pair in order, if all pairs are tried.
+    pub fn worths(&self) -> &[PairWorth] {
+        &self.worths
+    }
+
+    fn compute_worth(&self, (caster, light): (u32, ConnectedLight)) -> PairWorth {
+        let caster = &self.casters.all()[caster as usize];
+        match light {
+            ConnectedLight::Emitter(index) => {
+                PairWorth::new(caster, &self.emitters[index as usize])
+            }
+            ConnectedLight::Sun => {
+                let (towards, _) = self.sun.unwrap_or((DVec3::Z, 0.0));
+                PairWorth::of_sun(caster, towards, self.sun_solid_angle)
+            }
+        }
     }
 
     fn light_count(&self) -> usize {
@@ -83,7 +172,7 @@ impl PairSampler {
     }
 
     fn pair_count(&self) -> usize {
-        self.casters.len().saturating_mul(self.light_count())
+        self.casters.all().len().saturating_mul(self.light_count())
     }
 
     fn light(&self, index: usize) -> ConnectedLight {
@@ -97,24 +186,60 @@ impl PairSampler {
     fn pairs(&self, inside: Option<u32>) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
         let casters = match inside {
             Some(caster) => caster..caster + 1,
-            None => 0..self.casters.len() as u32,
+            None => 0..self.casters.all().len() as u32,
         };
         let lights = 0..self.light_count();
         casters.flat_map(move |caster| lights.clone().map(move |i| (caster, self.light(i))))
     }
 
-    /// Chooses pairs by `u` in `[0, 1)`. `inside` is the ball that the shading point is inside of,
-    /// whose pairs are then the only ones.
-    pub fn sample(&self, ctx: &LightSampleContext, inside: Option<u32>, u: f64) -> CasterPairs {
+    /// Returns true if [`Self::sample`] uses `u`.
+    pub fn needs_choice(&self) -> bool {
+        self.pair_count() > MAX_PAIRS
+    }
+
+    /// Chooses pairs by two numbers in `[0, 1)`: `u` selects one of many pairs, `u_worth` decides
+    /// whether a pair is worth a connection. `inside` is the ball that the shading point is inside
+    /// of, whose pairs are then the only ones.
+    pub fn sample(
+        &self,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+        [u, u_worth]: [f64; 2],
+    ) -> CasterPairs {
         let mut chosen = CasterPairs::default();
-        if self.pair_count() <= MAX_PAIRS {
-            for (slot, (caster, light)) in chosen.list.iter_mut().zip(self.pairs(inside)) {
-                *slot = Some(CasterPair { caster, light, pmf: 1.0 });
+        if !self.needs_choice() {
+            let accept = |(caster, light): (u32, ConnectedLight)| {
+                let n = self.index_of(caster, light) as u32;
+                let pmf = self.worth((caster, light), inside.is_some(), ctx.hit.point);
+                is_accepted(u_worth, n, pmf).then_some(CasterPair { n, caster, light, pmf })
+            };
+            for (slot, pair) in chosen.list.iter_mut().zip(self.pairs(inside)) {
+                *slot = accept(pair);
             }
-        } else if let Some(trees) = &self.trees {
-            chosen.list[0] = trees.sample(ctx, inside, u);
-        } else {
-            chosen.list[0] = self.sample_few(ctx, inside, u);
+            return chosen;
+        }
+        let pair = match &self.trees {
+            Some(trees) => trees.sample(ctx, inside, u),
+            None => self.sample_few(ctx, inside, u),
+        };
+        chosen.list[0] = pair.and_then(|pair| {
+            let of = (pair.caster, pair.light);
+            let worth = self.worth(of, inside.is_some(), ctx.hit.point);
+            let chosen = CasterPair { pmf: pair.pmf * worth, ..pair };
+            is_accepted(u_worth, 0, worth).then_some(chosen)
+        });
+        chosen
+    }
+
+    /// Returns the pairs of [`Self::sample`] where all are tried, at a point outside of all balls,
+    /// from the set of those accepted: bit n is the n-th of [`Self::worths`].
+    pub fn accepted(&self, set: u32, x: DVec3) -> CasterPairs {
+        let mut chosen = CasterPairs::default();
+        for (n, (caster, light)) in (0..).zip(self.pairs(None)) {
+            if set >> n & 1 != 0 {
+                let pmf = self.worth((caster, light), false, x);
+                chosen.list[n as usize] = Some(CasterPair { n, caster, light, pmf });
+            }
         }
         chosen
     }
@@ -129,15 +254,25 @@ impl PairSampler {
         if inside.is_some_and(|inside| inside != caster) {
             return 0.0;
         }
-        if self.pair_count() <= MAX_PAIRS {
-            return 1.0;
+        let worth = self.worth((caster, light), inside.is_some(), ctx.hit.point);
+        worth * self.choice_pmf(ctx, inside, (caster, light))
+    }
+
+    /// Returns the probability with which a pair is considered.
+    pub(super) fn choice_pmf(
+        &self,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+        (caster, light): (u32, ConnectedLight),
+    ) -> f64 {
+        match &self.trees {
+            _ if !self.needs_choice() => 1.0,
+            Some(trees) => trees.pmf(ctx, inside, (caster, light)),
+            None => {
+                let (importance, count, total) = self.few(ctx, inside);
+                probability(importance[self.index_of(caster, light)], count, total)
+            }
         }
-        let Some(trees) = &self.trees else {
-            let (importance, count, total) = self.few(ctx, inside);
-            let index = self.index_of(caster, light);
-            return probability(importance[index], count, total);
-        };
-        trees.pmf(ctx, inside, (caster, light))
     }
 
     fn index_of(&self, caster: u32, light: ConnectedLight) -> usize {
@@ -145,7 +280,7 @@ impl PairSampler {
             ConnectedLight::Emitter(index) => index as usize,
             ConnectedLight::Sun => self.emitters.len(),
         };
-        caster as usize * self.light_count() + in_lights
+        (caster as usize).saturating_mul(self.light_count()).saturating_add(in_lights)
     }
 
     /// The importance of each pair, the number of those above 0, and their sum.
@@ -172,7 +307,7 @@ impl PairSampler {
         for (caster, light) in self.pairs(inside) {
             let pmf = probability(importance[self.index_of(caster, light)], count, total);
             if pmf > 0.0 {
-                last = Some(CasterPair { caster, light, pmf });
+                last = Some(CasterPair { n: 0, caster, light, pmf });
                 if u < pmf {
                     break;
                 }
@@ -191,14 +326,13 @@ impl PairSampler {
         caster: u32,
         light: ConnectedLight,
     ) -> f64 {
-        let Caster { id, ball, surface } = self.casters[caster as usize];
+        if self.kinds(caster, inside.is_some(), light).is_empty() {
+            return 0.0;
+        }
+        let Caster { ball, surface, .. } = self.casters.all()[caster as usize];
         let (irradiance, towards) = self.irradiance(ball.center, light);
         if inside.is_some() {
             return irradiance;
-        }
-        let is_self = |index: u32| self.emitters[index as usize].id == id;
-        if matches!(light, ConnectedLight::Emitter(index) if is_self(index)) {
-            return 0.0;
         }
         let item = LightItem { sphere: ball, power: 1.0, emitter_index: 0 };
         let falloff = LightBounds::enclosing(ball.center, &[item]).importance(ctx);

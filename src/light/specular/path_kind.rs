@@ -1,9 +1,10 @@
 //! The kinds of connections.
 
+use crate::fault::fault;
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-use super::connection::Connections;
+use super::connection::{Connection, Connections};
 use super::plane::{Plane, Target};
 use super::{boundary, reflection, through};
 
@@ -27,23 +28,51 @@ impl SpecularPath {
     pub const OVER_DIELECTRIC: [Self; 3] =
         [Self::Reflection, Self::Through, Self::ThroughReflected];
 
+    /// The number of edges from x to y.
+    #[inline]
+    pub fn edges(self) -> u32 {
+        match self {
+            Self::Reflection | Self::Outward | Self::Inward => 2,
+            Self::Through => 3,
+            Self::ThroughReflected => 4,
+        }
+    }
+
     /// Returns all paths of this kind from x to y over a ball. `ior` is its index of refraction
     /// over that of its surroundings, which reflection does not use.
-    #[inline]
     pub fn connect(self, ball: &Sphere, ior: f64, x: DVec3, y: Target) -> Connections {
-        match self {
-            Self::Reflection => {
-                let mut all = Connections::NONE;
-                reflection::connect(ball, x, y).into_iter().for_each(|found| all.push(found));
-                all
+        let mut all = Connections::NONE;
+        self.connect_each(ball, ior, x, y, |connection| all.push(connection));
+        all
+    }
+
+    /// As [`Self::connect`], handing each path to `found`.
+    #[inline]
+    pub fn connect_each(
+        self,
+        ball: &Sphere,
+        ior: f64,
+        x: DVec3,
+        y: Target,
+        mut found: impl FnMut(Connection),
+    ) {
+        let mut count = 0;
+        let found = |connection| {
+            count += 1;
+            if count == 1 || !fault!(ConnectionRootMissing) {
+                found(connection);
             }
-            Self::Through => through::connect(ball, ior, 0, x, y),
-            Self::ThroughReflected => through::connect(ball, ior, 1, x, y),
-            Self::Outward => boundary::connect_outward(ball, ior, x, y),
-            Self::Inward => match y {
-                Target::Point(y) => boundary::connect_inward(ball, ior, x, y),
-                Target::Direction(_) => Connections::NONE,
-            },
+        };
+        match self {
+            Self::Reflection => reflection::connect(ball, x, y).into_iter().for_each(found),
+            Self::Through => through::connect(ball, ior, 0, (x, y), found),
+            Self::ThroughReflected => through::connect(ball, ior, 1, (x, y), found),
+            Self::Outward => boundary::connect_outward(ball, ior, (x, y), found),
+            Self::Inward => {
+                if let Target::Point(y) = y {
+                    boundary::connect_inward(ball, ior, (x, y), found);
+                }
+            }
         }
     }
 

@@ -3,25 +3,31 @@
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-use super::connection::{Connection, Connections};
+use super::connection::Connection;
 use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
 use super::phase::Phase;
 use super::plane::{Plane, Target};
 use super::reflection::outer_leg;
 
-/// Returns all paths between two points outside of a ball, whose index of refraction over that of
-/// its surroundings is `ior`, that enter it, are reflected `inner` times on its inner side, 0 or 1
+/// Finds all paths between two points outside of a ball, whose index of refraction over that of its
+/// surroundings is `ior`, that enter it, are reflected `inner` times on its inner side, 0 or 1
 /// times, and leave it.
-pub(super) fn connect(ball: &Sphere, ior: f64, inner: u32, x: DVec3, y: Target) -> Connections {
-    let mut all = Connections::NONE;
+#[inline]
+pub(super) fn connect(
+    ball: &Sphere,
+    ior: f64,
+    inner: u32,
+    (x, y): (DVec3, Target),
+    mut found: impl FnMut(Connection),
+) {
     let plane = Plane::new(*ball, x, y);
-    let Some(deflection) = deflection(&plane, ior, inner) else { return all };
+    let Some(deflection) = deflection(&plane, ior, inner) else { return };
     let (cos, sin) = (plane.cos_theta, plane.sin_theta);
     let branches = deflection.branches();
     let mut connect = |half_target: Phase, side: f64| {
         for branch in branches.iter().flatten() {
             if let Some(root) = deflection.root(branch, half_target.negated()) {
-                all.push(connection(&plane, inner, &deflection, &root, side));
+                found(connection(&plane, inner, &deflection, &root, side));
             }
         }
     };
@@ -45,7 +51,6 @@ pub(super) fn connect(ball: &Sphere, ior: f64, inner: u32, x: DVec3, y: Target) 
             }
         }
     }
-    all
 }
 
 /// Returns the spread of a path that leaves x at an angle of this sine from the axis.

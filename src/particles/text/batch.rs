@@ -129,15 +129,40 @@ impl Values {
     }
 
     /// Appends all values of a column of the same kind, or of another kind of numbers.
-    pub(in crate::particles) fn append(&mut self, mut other: Self) {
+    pub(in crate::particles) fn append(&mut self, other: &mut Self) {
         self.widen(other.kind());
         other.widen(self.kind());
         match (self, other) {
-            (Self::I32(values), Self::I32(more)) => values.extend_from_slice(&more),
-            (Self::I64(values), Self::I64(more)) => values.extend_from_slice(&more),
-            (Self::F64(values), Self::F64(more)) => values.extend_from_slice(&more),
-            (Self::Text(words), Self::Text(more)) => words.append(&more),
+            (Self::I32(values), Self::I32(more)) => values.extend_from_slice(more),
+            (Self::I64(values), Self::I64(more)) => values.extend_from_slice(more),
+            (Self::F64(values), Self::F64(more)) => values.extend_from_slice(more),
+            (Self::Text(words), Self::Text(more)) => words.append(more),
             _ => debug_assert!(false, "kinds of numbers and of words do not mix"),
+        }
+    }
+
+    fn reserve(&mut self, more: usize) {
+        match self {
+            Self::I32(values) => values.reserve(more),
+            Self::I64(values) => values.reserve(more),
+            Self::F64(values) => values.reserve(more),
+            Self::Text(words) => words.reserve(more),
+        }
+    }
+
+    fn clear(&mut self) {
+        match self {
+            Self::Text(words) => words.clear(),
+            _ => self.truncate(0),
+        }
+    }
+
+    fn truncate(&mut self, count: usize) {
+        match self {
+            Self::I32(values) => values.truncate(count),
+            Self::I64(values) => values.truncate(count),
+            Self::F64(values) => values.truncate(count),
+            Self::Text(words) => words.truncate(count),
         }
     }
 
@@ -172,15 +197,36 @@ impl Batch {
         Self { positions: Vec::new(), columns: kinds.into_iter().map(Values::new).collect() }
     }
 
-    /// The kinds of the columns so far.
-    pub(in crate::particles) fn kinds(&self) -> impl Iterator<Item = Kind> {
-        self.columns.iter().map(Values::kind)
+    /// Makes room for more rows.
+    pub(in crate::particles) fn reserve(&mut self, rows: usize) {
+        self.positions.reserve(rows);
+        self.columns.iter_mut().for_each(|column| column.reserve(rows));
+    }
+
+    /// Drops values of a row whose position is missing.
+    pub(in crate::particles) fn drop_incomplete_row(&mut self) {
+        let rows = self.positions.len();
+        self.columns.iter_mut().for_each(|column| column.truncate(rows));
+    }
+
+    /// Makes this a batch without rows and with the kinds of columns of another one.
+    pub(in crate::particles) fn clear_like(&mut self, other: &Self) {
+        self.positions.clear();
+        self.columns.truncate(other.columns.len());
+        for (column, like) in self.columns.iter_mut().zip(&other.columns) {
+            match column.kind() == like.kind() {
+                true => column.clear(),
+                false => *column = Values::new(like.kind()),
+            }
+        }
+        let missing = other.columns[self.columns.len()..].iter();
+        self.columns.extend(missing.map(|column| Values::new(column.kind())));
     }
 
     /// Appends all rows of another batch with the same columns.
-    pub(in crate::particles) fn append(&mut self, other: Self) {
+    pub(in crate::particles) fn append(&mut self, other: &mut Self) {
         self.positions.extend_from_slice(&other.positions);
-        for (column, more) in self.columns.iter_mut().zip(other.columns) {
+        for (column, more) in self.columns.iter_mut().zip(&mut other.columns) {
             column.append(more);
         }
     }
@@ -225,7 +271,7 @@ mod tests {
             let parts = [part(&["1"]), part(&["5000000000"]), part(&["0.5"])];
             let mut all = Values::new(Kind::I32);
             for &at in &order {
-                all.append(parts[at].clone());
+                all.append(&mut parts[at].clone());
             }
             let values = [1.0, 5e9, 0.5];
             assert_eq!(all.finish(), ColumnData::F64(order.map(|at| values[at]).to_vec()));
@@ -236,7 +282,7 @@ mod tests {
             assert!(words.push(word.as_bytes()) && more.push(word.as_bytes()));
         }
         assert!(more.push(b"C"));
-        words.append(more);
+        words.append(&mut more);
         let ColumnData::Text(words) = words.finish() else { panic!("words") };
         let all: Vec<&str> = (0..words.codes.len()).map(|row| words.word(row)).collect();
         assert_eq!(all, ["O", "H", "H", "O", "H", "H", "C"]);

@@ -3,7 +3,7 @@
 
 use std::io::{self, Read};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::thread;
 
 use crate::particles::source::Source;
@@ -25,6 +25,8 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub(in crate::particles) struct Input {
     path: PathBuf,
     blocks: Option<Receiver<io::Result<Vec<u8>>>>,
+    /// Takes blocks back, whose memory is used again.
+    used: Sender<Vec<u8>>,
     buffer: Vec<u8>,
     start: usize,
     line: u64,
@@ -35,9 +37,10 @@ impl Input {
     pub(in crate::particles) fn new(source: Source) -> Self {
         let is_short = source.is_short();
         let Source { path, head, rest, .. } = source;
-        let blocks = (!is_short).then(|| read_ahead(rest));
+        let (used, spare) = channel();
+        let blocks = (!is_short).then(|| read_ahead(rest, spare));
         let start = if head.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        Self { path, blocks, buffer: head, start, line: 1 }
+        Self { path, blocks, used, buffer: head, start, line: 1 }
     }
 
     /// Number of the next line; the first is 1.
@@ -152,6 +155,8 @@ impl Input {
                 self.buffer.drain(..self.start);
                 self.start = 0;
                 self.buffer.extend_from_slice(&block);
+                // Nobody reads on after the last block.
+                let _ = self.used.send(block);
                 Ok(true)
             }
             Ok(Err(error)) => Err(io_failure(&self.path, error)),
@@ -185,12 +190,17 @@ fn trimmed(line: &[u8]) -> &[u8] {
 }
 
 /// Reads blocks in a thread of its own, two ahead, growing from small ones.
-fn read_ahead(mut from: Box<dyn Read + Send>) -> Receiver<io::Result<Vec<u8>>> {
+fn read_ahead(
+    mut from: Box<dyn Read + Send>,
+    spare: Receiver<Vec<u8>>,
+) -> Receiver<io::Result<Vec<u8>>> {
     let (sender, receiver) = sync_channel(2);
     let work = move || {
         let mut size = BLOCK_BYTES / 16;
         loop {
-            let mut block = Vec::with_capacity(size);
+            let mut block = spare.try_recv().unwrap_or_default();
+            block.clear();
+            block.reserve(size);
             let read = from.by_ref().take(size as u64).read_to_end(&mut block);
             let is_last = block.len() < size;
             let is_over = (!block.is_empty() && sender.send(Ok(block)).is_err()) || is_last;

@@ -9,46 +9,6 @@ pub(in crate::particles) fn float(token: &[u8]) -> Option<f64> {
     fast_float2::parse(token).ok().or_else(|| with_replaced(token, b"dD", b'e'))
 }
 
-/// Powers of ten that are f64 without rounding.
-const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-];
-
-/// The number at the beginning of a text, and its length, if it has few enough digits for one
-/// division to give the nearest f64, and no exponent. What follows it may be anything.
-#[inline]
-pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
-    /// More digits may overflow.
-    const MOST_DIGITS: usize = 19;
-    let is_negative = text.first() == Some(&b'-');
-    let start = usize::from(is_negative);
-    let (mut at, mut mantissa) = (start, 0u64);
-    let mut digits = |at: &mut usize| {
-        let first = *at;
-        while let Some(digit) = text.get(*at).map(|byte| byte.wrapping_sub(b'0')) {
-            if digit > 9 {
-                break;
-            }
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-            *at += 1;
-        }
-        *at - first
-    };
-    let whole = digits(&mut at);
-    let mut decimals = 0;
-    if text.get(at) == Some(&b'.') {
-        at += 1;
-        decimals = digits(&mut at);
-    }
-    let count = whole + decimals;
-    if count == 0 || count > MOST_DIGITS || mantissa > 1 << 53 {
-        return None;
-    }
-    let value = mantissa as f64 / POWERS[decimals];
-    Some((if is_negative { -value } else { value }, at))
-}
-
 /// Like [`float`], with a comma for the decimal point.
 pub(in crate::particles) fn float_with_comma(token: &[u8]) -> Option<f64> {
     if token.contains(&b',') { with_replaced(token, b",", b'.') } else { float(token) }
@@ -116,18 +76,6 @@ mod tests {
             assert_eq!(float(text.as_bytes()), Some(value), "{text}");
         }
         assert!(float(b"NaN").is_some_and(f64::is_nan));
-        for text in
-            ["0", "-0.0", "12.5 ", "-3.", ".25,", "9007199254740992", "0.000000000000000001"]
-        {
-            let (value, length) = short_float(text.as_bytes()).expect("a number");
-            let expected: f64 = text[..length].parse().expect("a number");
-            assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
-            assert_eq!(length, text.trim_end_matches([' ', ',']).len());
-        }
-        for text in ["", "-", ".", "-.", "x", "9007199254740993", "0.12345678901234567890"] {
-            assert_eq!(short_float(text.as_bytes()), None, "{text}");
-        }
-        assert_eq!(short_float(b"1e5"), Some((1.0, 1)));
         for text in ["", "-", "1,5", "1.0x", "0x10", "1 2", "D", "abc", "--1"] {
             assert_eq!(float(text.as_bytes()), None, "{text}");
         }

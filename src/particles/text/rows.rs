@@ -18,6 +18,13 @@ pub(in crate::particles) trait LineParser: Sync {
     /// # Errors
     /// If the line is wrong.
     fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String>;
+
+    /// Appends the row of the line at the beginning of a text, if all of its values are common ones
+    /// and all is right; returns the length of the line with its end. Otherwise columns may have
+    /// one value more, and [`Self::parse`] decides.
+    fn parse_quickly(&self, _text: &[u8], _to: &mut Batch) -> Option<usize> {
+        None
+    }
 }
 
 /// Which lines are read.
@@ -75,23 +82,25 @@ pub(in crate::particles) fn read_rows(
     all: &mut Batch,
 ) -> Outcome<u64> {
     let mut done = 0;
+    // Batches keep their memory from one turn to the next.
+    let mut batches: Vec<Batch> = Vec::new();
     loop {
         let first = input.line_number();
         let (text, lines, has_more) = section.next(input, done)?;
         let pieces = split(text, rayon::current_num_threads() * 4);
-        let kinds: Vec<_> = all.kinds().collect();
-        let parse = |piece: &&[u8]| parse_piece(piece, parser, Batch::new(kinds.iter().copied()));
-        let parsed: Vec<_> = pieces.par_iter().map(parse).collect();
+        batches.resize_with(pieces.len().max(batches.len()), Batch::default);
+        batches.iter_mut().for_each(|batch| batch.clear_like(all));
+        let parse = |(piece, batch): (&&[u8], &mut Batch)| parse_piece(piece, parser, batch);
+        let parsed: Vec<_> = pieces.par_iter().zip(&mut batches).map(parse).collect();
         let mut line = first;
-        for (piece, parsed) in pieces.iter().zip(parsed) {
+        for (parsed, batch) in parsed.into_iter().zip(&mut batches) {
             match parsed {
-                Ok((batch, lines)) => {
+                Ok(lines) => {
                     all.append(batch);
                     line += lines;
                 }
                 Err((at, message)) => return Err(Trouble::at(line + at, message).into()),
             }
-            debug_assert!(!piece.is_empty());
         }
         budget.check(all.bytes())?;
         let bytes = text.len();
@@ -120,20 +129,26 @@ fn split(text: &[u8], count: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Parses the lines of a piece; returns them with their number. The error has the number of lines
-/// before it.
+/// Parses the lines of a piece; returns their number. The error has the number of lines before it.
 fn parse_piece(
     piece: &[u8],
     parser: &dyn LineParser,
-    mut batch: Batch,
-) -> Result<(Batch, u64), (u64, String)> {
+    batch: &mut Batch,
+) -> Result<u64, (u64, String)> {
     let (mut rest, mut lines) = (piece, 0);
+    batch.reserve(memchr::memchr_iter(b'\n', piece).count());
     while !rest.is_empty() {
-        let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
-        let line = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
-        parser.parse(line, &mut batch).map_err(|message| (lines, message))?;
+        match parser.parse_quickly(rest, batch) {
+            Some(length) => rest = &rest[length..],
+            None => {
+                batch.drop_incomplete_row();
+                let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+                let line = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+                parser.parse(line, batch).map_err(|message| (lines, message))?;
+                rest = rest.get(end + 1..).unwrap_or_default();
+            }
+        }
         lines += 1;
-        rest = rest.get(end + 1..).unwrap_or_default();
     }
-    Ok((batch, lines))
+    Ok(lines)
 }

@@ -5,26 +5,38 @@ use std::sync::Arc;
 
 use crate::particles::column::Categories;
 
+/// Words that are found by comparing them with each.
+const MAX_RECENT: usize = 16;
+
 /// A growing column of words.
 #[derive(Clone, Debug, Default)]
 pub(in crate::particles) struct Words {
     words: Categories,
     codes: HashMap<Arc<str>, u32>,
+    /// The first short words with their codes.
+    short: Vec<(u64, u32)>,
 }
 
 impl Words {
     /// Appends a word.
     #[inline]
     pub(in crate::particles) fn push(&mut self, word: &[u8]) {
-        // Neighbours are often equal.
-        if let Some(&last) = self.words.codes.last() {
-            if self.words.names[last as usize].as_bytes() == word {
-                self.words.codes.push(last);
-                return;
-            }
-        }
-        let code = self.code(&String::from_utf8_lossy(word));
+        let key = short_key(word);
+        let known = key.and_then(|key| self.short.iter().find(|(known, _)| *known == key));
+        let code = match known {
+            Some((_, code)) => *code,
+            None => self.find(word, key),
+        };
         self.words.codes.push(code);
+    }
+
+    #[cold]
+    fn find(&mut self, word: &[u8], key: Option<u64>) -> u32 {
+        let code = self.code(&String::from_utf8_lossy(word));
+        if let Some(key) = key.filter(|_| self.short.len() < MAX_RECENT) {
+            self.short.push((key, code));
+        }
+        code
     }
 
     fn code(&mut self, word: &str) -> u32 {
@@ -36,6 +48,24 @@ impl Words {
         self.words.names.push(Arc::clone(&name));
         self.codes.insert(name, code);
         code
+    }
+
+    /// Makes room for more words.
+    pub(in crate::particles) fn reserve(&mut self, more: usize) {
+        self.words.codes.reserve(more);
+    }
+
+    /// Forgets all words, and keeps the memory for as many.
+    pub(in crate::particles) fn clear(&mut self) {
+        self.words.codes.clear();
+        self.words.names.clear();
+        self.codes.clear();
+        self.short.clear();
+    }
+
+    /// Keeps the first words. The others may stay known.
+    pub(in crate::particles) fn truncate(&mut self, count: usize) {
+        self.words.codes.truncate(count);
     }
 
     /// Appends all words of another column.
@@ -55,4 +85,14 @@ impl Words {
         self.words.codes.shrink_to_fit();
         self.words
     }
+}
+
+/// A word of up to seven bytes as a number, which has its length.
+#[inline]
+fn short_key(word: &[u8]) -> Option<u64> {
+    if word.len() > 7 {
+        return None;
+    }
+    let key = word.iter().fold(0, |key, &byte| key << 8 | u64::from(byte));
+    Some(key << 8 | word.len() as u64)
 }

@@ -104,7 +104,7 @@ impl Sketch {
                     if let LightSource::Emitter(id) | LightSource::FarWall(id) = sample.source {
                         sketch.emitters.push(id);
                     }
-                    let Some((visibility, _)) = shadow_result(&trace.events, index) else {
+                    let Some((visibility, _)) = shadow_result(&trace.events, index, 0) else {
                         continue;
                     };
                     let Some(&from) = sketch.vertices.last() else { continue };
@@ -116,10 +116,36 @@ impl Sketch {
                         direction: sample.direction,
                     });
                 }
+                PathEvent::Connection { .. } => sketch.connect(scene, trace, index),
                 _ => {}
             }
         }
         sketch
+    }
+
+    /// Adds the legs of the connection at event `index`.
+    fn connect(&mut self, scene: &Scene, trace: &PathTrace, index: usize) {
+        let PathEvent::Connection { number, caster, source, connection, .. } = &trace.events[index]
+        else {
+            return;
+        };
+        let result = shadow_result(&trace.events, index, *number);
+        let (Some((visibility, _)), Some(&vertex)) = (result, self.vertices.last()) else { return };
+        self.hit_ids.push(*caster);
+        if let LightSource::Emitter(id) = source {
+            self.emitters.push(*id);
+        }
+        let class = if visibility == Rgb::ZERO { "occluded" } else { "unoccluded" };
+        let mut from = vertex;
+        for &point in connection.points() {
+            let to = to_scene(scene, point);
+            self.lines.push(Line { class, from, to: Some(to), direction: DVec3::ZERO });
+            from = to;
+        }
+        let direction = -connection.direction_at_y;
+        let is_finite = connection.leg_at_y.is_finite();
+        let to = is_finite.then(|| from + connection.leg_at_y * direction);
+        self.lines.push(Line { class, from, to, direction });
     }
 
     /// Extends the path to the next vertex.
@@ -236,8 +262,8 @@ fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace,
     canvas.text("small", "start", position + DVec2::Y * 27.0, &sample);
     let entries = [
         ("path", "path"),
-        ("unoccluded", "unoccluded light sample"),
-        ("occluded", "occluded light sample"),
+        ("unoccluded", "light that arrives"),
+        ("occluded", "light that is occluded"),
     ];
     for (class, text) in entries {
         canvas.line(class, position, position + DVec2::X * 32.0);

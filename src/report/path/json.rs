@@ -3,10 +3,10 @@
 use serde_json::{Value, json};
 
 use crate::color::Rgb;
-use crate::integrator::{PathEvent, PathTrace};
+use crate::integrator::{PathEvent, PathTrace, Rival};
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{source_name, to_scene};
+use super::spheres::{source_name, to_scene, way_over_ball};
 use super::text::reason;
 
 /// Returns the whole path as JSON.
@@ -56,13 +56,18 @@ fn event_json(scene: &Scene, event: &PathEvent) -> Value {
             "wo": wo,
             "throughput": throughput,
         }),
-        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution } => {
+        PathEvent::Emission { source, radiance, pdf, rival, weight, contribution } => {
+            let (pdf_light, pdf_connection) = match rival {
+                Rival::LightSample(pdf) => (*pdf, 0.0),
+                Rival::Connection(pdf) => (0.0, *pdf),
+            };
             json!({
                 "event": "emission",
                 "source": source_name(scene, *source),
                 "L_e": radiance,
                 "p": pdf,
                 "p_light": pdf_light,
+                "p_connection": pdf_connection,
                 "weight": weight,
                 "clamp": contribution.clamp,
                 "contribution": contribution.radiance,
@@ -85,8 +90,40 @@ fn event_json(scene: &Scene, event: &PathEvent) -> Value {
             "p_bsdf": pdf_bsdf,
             "weight": weight,
         }),
-        PathEvent::ShadowRay { visibility, contribution } => json!({
+        PathEvent::Connection {
+            number,
+            caster,
+            kind,
+            source,
+            connection,
+            radiance,
+            transmittance,
+            f,
+            cos,
+            pdf,
+            pdf_chance,
+            weight,
+        } => json!({
+            "event": "connection",
+            "number": number,
+            "ball": scene.spheres().row(*caster),
+            "ball_name": scene.name(*caster),
+            "way": way_over_ball(*kind).trim_end_matches(','),
+            "source": source_name(scene, *source),
+            "points": connection.points().iter().map(|&p| to_scene(scene, p)).collect::<Vec<_>>(),
+            "wi": connection.direction_at_x,
+            "spread": connection.spread,
+            "L_e": radiance,
+            "transmittance": transmittance,
+            "p": pdf,
+            "f_r": f,
+            "cos": cos,
+            "p_bsdf": pdf_chance,
+            "weight": weight,
+        }),
+        PathEvent::ShadowRay { connection, visibility, contribution } => json!({
             "event": "shadow_ray",
+            "connection": connection,
             "is_occluded": *visibility == Rgb::ZERO,
             "V": visibility,
             "clamp": contribution.clamp,

@@ -3,6 +3,7 @@
 use crate::color::Rgb;
 use crate::integrator::{Contribution, PathEvent};
 use crate::light::LightSource;
+use crate::light::specular::SpecularPath;
 use crate::math::DVec3;
 use crate::scene::Scene;
 
@@ -27,17 +28,31 @@ pub(super) fn to_scene(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample at event `light_sample`: the transmitted fraction and the
-/// contribution. `None` if no ray could be spawned.
+/// Result of the light sample (0) or connection with this `number` at event `index`: the transmitted
+/// fraction and the contribution. `None` if no ray could be spawned.
 pub(super) fn shadow_result(
     events: &[PathEvent],
-    light_sample: usize,
+    index: usize,
+    number: u8,
 ) -> Option<(Rgb, Contribution)> {
-    let later = &events[light_sample + 1..];
-    let before_next =
-        later.iter().take_while(|event| !matches!(event, PathEvent::LightSample { .. }));
-    before_next.into_iter().find_map(|event| match event {
-        PathEvent::ShadowRay { visibility, contribution } => Some((*visibility, *contribution)),
+    // Shadow rays are traced after the path has been scattered, before its next hit.
+    let later = events[index + 1..].iter();
+    let at_vertex = later.take_while(|event| !matches!(event, PathEvent::Hit { .. }));
+    at_vertex.into_iter().find_map(|event| match event {
+        PathEvent::ShadowRay { connection, visibility, contribution } if *connection == number => {
+            Some((*visibility, *contribution))
+        }
         _ => None,
     })
+}
+
+/// Describes the way of a connection over a ball.
+pub(super) fn way_over_ball(kind: SpecularPath) -> &'static str {
+    match kind {
+        SpecularPath::Reflection => "reflected off",
+        SpecularPath::Through => "through",
+        SpecularPath::ThroughReflected => "through, with a reflection inside,",
+        SpecularPath::Outward => "out of",
+        SpecularPath::Inward => "into",
+    }
 }

@@ -3,13 +3,13 @@
 use crate::color::Rgb;
 use crate::draw::text::count;
 use crate::geometry::Side;
-use crate::integrator::{Contribution, PathEvent, PathTrace, Termination};
+use crate::integrator::{Contribution, PathEvent, PathTrace, Rival, Termination};
 use crate::light::LightSample;
 use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{name, shadow_result, source_name, to_scene};
+use super::spheres::{name, shadow_result, source_name, to_scene, way_over_ball};
 
 /// Describes the whole path.
 pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
@@ -77,14 +77,14 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
         PathEvent::Miss { throughput, .. } => {
             format!("\n     the ray misses; T = {}\n", color(*throughput))
         }
-        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution } => {
+        PathEvent::Emission { source, radiance, pdf, rival, weight, contribution } => {
             let emitter = source_name(scene, *source);
             let mis_text = match pdf {
                 None => "not reachable by light sampling: w = 1".to_owned(),
                 Some(pdf) => format!(
-                    "p = {} by BSDF sampling, {} by light sampling: w = {}",
+                    "p = {} by BSDF sampling, {}: w = {}",
                     number(*pdf),
-                    number(*pdf_light),
+                    rival_text(*rival),
                     number(f64::from(*weight))
                 ),
             };
@@ -106,9 +106,14 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
             let text =
                 light_sample_text(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
-            text + &shadow_text(tau, shadow_result(&trace.events, index))
+            text + &shadow_text(tau, shadow_result(&trace.events, index, 0))
         }
-        PathEvent::ShadowRay { .. } => String::new(), // covered by the light sample
+        PathEvent::Connection { number, .. } => {
+            let result = shadow_result(&trace.events, index, *number);
+            connection_text(scene, &trace.events[index]) + &shadow_text(" tau", result)
+        }
+        // Covered by the light sample or connection.
+        PathEvent::ShadowRay { .. } => String::new(),
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
             bsdf_sample_text(*lobe, *wi, *pdf, *weight, *eta)
                 + &format!(", T = {}\n", color(*throughput))
@@ -177,6 +182,54 @@ fn light_sample_text(
         number(sample.pdf),
         number(pdf_bsdf),
         number(weight)
+    )
+}
+
+/// Describes the pdf of what else could have found a light.
+fn rival_text(rival: Rival) -> String {
+    match rival {
+        Rival::LightSample(pdf) => format!("{} by light sampling", number(pdf)),
+        Rival::Connection(pdf) => format!("{} by connections", number(pdf)),
+    }
+}
+
+fn connection_text(scene: &Scene, event: &PathEvent) -> String {
+    let PathEvent::Connection {
+        caster,
+        kind,
+        source,
+        connection,
+        radiance,
+        transmittance,
+        f,
+        cos,
+        pdf,
+        pdf_chance,
+        weight,
+        ..
+    } = event
+    else {
+        return String::new();
+    };
+    let points: Vec<String> =
+        connection.points().iter().map(|&point| vector(to_scene(scene, point))).collect();
+    format!(
+        "     connects {} {} to {}, at {}\n     \
+         w_i = {}, |dA / dw| = {}, L_e = {}, tau = {}\n     \
+         f_r = {}, |cos| = {}, p = {}, {} by BSDF sampling: w = {}\n",
+        way_over_ball(*kind),
+        name(scene, *caster),
+        source_name(scene, *source),
+        points.join(", then "),
+        vector(connection.direction_at_x),
+        number(connection.spread),
+        color(*radiance),
+        color(*transmittance),
+        color(*f),
+        number(*cos),
+        number(*pdf),
+        number(*pdf_chance),
+        number(*weight)
     )
 }
 

@@ -1,8 +1,8 @@
 //! The keys of `[render]` and its tables, and which of its plain values stands under which.
 
 use crate::scene::settings::{
-    Estimator, Hemisphere, IntegratorKind, LightSamplerKind, MissPolicy, PathTerminationKind,
-    RenderSettings, SamplerKind,
+    Caustics, Estimator, Hemisphere, IntegratorKind, LightSamplerKind, MissPolicy,
+    PathTerminationKind, RenderSettings, SamplerKind,
 };
 use crate::scene::value_types::{Boolean, EnumValue, Integer, Number, NumberRange};
 
@@ -15,6 +15,8 @@ keys! {
         option("integrator", "NAME"));
     ESTIMATOR: EnumValue<Estimator> = key_with_option("estimator", EnumValue::NEW, Toml("\"mis\""), "how light is sampled",
         option("estimator", "NAME"));
+    CAUSTICS: EnumValue<Caustics> = key_with_option("caustics", EnumValue::NEW, Toml("\"connect\""), "how light by way of polished balls is found",
+        option("caustics", "NAME"));
     SAMPLER: EnumValue<SamplerKind> = key_with_option("sampler", EnumValue::NEW, Derived("sobol; independent for paper"), "the sampler",
         option("sampler", "NAME"));
     SAMPLES: Integer<u32> = key_with_option("samples_per_pixel", Integer(1..=u32::MAX), Derived("64; 1 for normals and raycast; k^2 N for paper"),
@@ -58,6 +60,7 @@ pub(in crate::scene) mod raycast {
 impl RenderSettings {
     /// Visits the keys whose values depend on no other key.
     pub(in crate::scene) fn visit_keys(&mut self, visitor: &mut impl KeyVisitor) {
+        visitor.visit(&CAUSTICS, &mut self.caustics);
         visitor.visit_option(&MAX_DEPTH, &mut self.max_depth);
         visitor.visit_option(&CLAMP_INDIRECT, &mut self.clamp_indirect);
         visitor.visit(&LIGHT_CHOICE, &mut self.light_choice);

@@ -117,7 +117,7 @@ fn emitters(environment: Environment) -> (SphereSet, Lights) {
     let exact = (0..40).map(sphere).collect();
     let spheres = SphereSet::new(SphereRows { exact, table: Vec::new() }).expect("few spheres");
     let emission = |id| grey(1.0 + spheres.row(id) as f32);
-    let emitter = |id: u32| Emitter { id, emission: emission(id), transmittance: 0.0 };
+    let emitter = |id: u32| Emitter::opaque(id, emission(id));
     let lights = Lights::new((0..40).map(emitter).collect(), &spheres, environment);
     (spheres, lights)
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::color::Rgb;
 use crate::geometry::{Cone, PathRay, Side, Sphere, SphereRows, SphereSet, SurfaceHit};
 use crate::light::{
-    Emitter, EmitterCuts, Environment, LightSample, LightSampleContext, LightSamplerKind,
-    LightSource, Lights,
+    Emitter, EmitterCuts, Enclosure, Environment, LightSample, LightSampleContext,
+    LightSamplerKind, LightSource, Lights,
 };
 use crate::math::{DVec3, Frame, Hit};
 use crate::sampling::{atan2, safe_acos, sin_cos};
@@ -41,11 +41,7 @@ impl LitScene {
         let emitters = 1..spheres.len() as u32;
         let rows = SphereRows { exact: spheres, table: Vec::new() };
         let spheres = SphereSet::new(rows).expect("few spheres");
-        let emitter = |row| Emitter {
-            id: id_of(&spheres, row),
-            emission: Rgb::splat(row as f32),
-            transmittance: 0.0,
-        };
+        let emitter = |row| Emitter::opaque(id_of(&spheres, row), Rgb::splat(row as f32));
         let lights = Lights::new(emitters.map(emitter).collect(), &spheres, Environment::default());
         let id = id_of(&spheres, 0);
         let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
@@ -123,8 +119,10 @@ impl CutEmitter {
         let exact = vec![ball(0.0, 1.0), ball(-10.0, 105f64.sqrt())];
         let spheres = SphereSet::new(SphereRows { exact, table: vec![] }).expect("few spheres");
         let [id, wall] = [0, 1].map(|row| id_of(&spheres, row));
-        let emitters = [Emitter { id, emission: Rgb::ONE, transmittance: 0.0 }];
-        let cuts = EmitterCuts::find(&emitters, &spheres, |sphere| sphere == wall);
+        let emitters = [Emitter::opaque(id, Rgb::ONE)];
+        let enclosure = Enclosure { id: wall, is_certain: true };
+        let enclosures: &[Enclosure] = if side == Side::Inside { &[enclosure] } else { &[] };
+        let cuts = EmitterCuts::find(&emitters, &spheres, |sphere| sphere == wall, enclosures);
         let (kind, environment) = (LightSamplerKind::default(), Environment::default());
         let lights = Lights::with_sampler(
             kind,

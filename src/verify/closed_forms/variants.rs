@@ -45,6 +45,9 @@ static ESTIMATORS: [NamedOverrides; 9] = [
 /// Estimators for direct light only, as a range of [`ESTIMATORS`].
 const DIRECT: std::ops::Range<usize> = 3..6;
 
+/// Estimators that connect, of [`ESTIMATORS`].
+const CONNECTED: [usize; 4] = [0, 1, 3, 4];
+
 /// Integrators that a scene selects itself.
 static SCENE_INTEGRATORS: [NamedOverrides; 2] =
     [named_overrides("ambient-occlusion", &[]), named_overrides("normals", &[])];
@@ -100,6 +103,7 @@ fn estimators(form: &ClosedForm) -> impl Iterator<Item = &'static NamedOverrides
     let is_applicable = move |(index, _): &(usize, &NamedOverrides)| match transport {
         LightTransport::Global => !DIRECT.contains(index),
         LightTransport::Direct => true,
+        LightTransport::Connected => CONNECTED.contains(index),
         LightTransport::Integrator(_) => false,
     };
     let named = SCENE_INTEGRATORS

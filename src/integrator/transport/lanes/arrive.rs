@@ -46,7 +46,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             let is_far = opacity::is_far_wall(self.context.scene, self.prev_vertex(&state), hit);
             let wall = if is_far { LightSource::FarWall } else { LightSource::Emitter };
             let direction = batch.rays.direction.get(lane);
-            self.add_emission(&state, direction, wall(hit.id), surface.material.emission);
+            self.add_emission(&state, direction, wall, hit, surface.material.emission);
         }
         if self.is_at_last_edge(&state) {
             return None;

@@ -2,15 +2,17 @@
 
 use crate::fault::fault;
 use crate::geometry::PathRay;
+use crate::light::specular::{CasterPairs, PairSampler};
 use crate::light::{CategoryPmf, LightSample, LightSampleContext};
-use crate::material::{BsdfSample, Diffuse, Lobe};
-use crate::math::DVec3;
+use crate::material::{Bsdf, BsdfSample, Diffuse, Lobe};
+use crate::math::{DVec3, Frame};
+use crate::sampling::Hemisphere;
 
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
-use super::super::next_event::LightFactors;
-use super::super::paths::{PathState, StageQueues};
+use super::super::next_event::{LightFactors, Scattering};
+use super::super::paths::{PathState, ShadowQueue, StageQueues};
 use super::super::shade::{SurfaceVertex, VertexNumbers};
 use super::arrive::Arrival;
 use super::light::sample_light_in_lane;
@@ -34,6 +36,19 @@ impl VertexNumbers for LaneNumbers<'_> {
         }
         let sample = (batch.light.pdf.0[lane] > 0.0).then(|| batch.light.get(lane));
         (batch.light.categories[lane], sample)
+    }
+
+    fn choose_pairs(
+        &self,
+        pairs: &PairSampler,
+        ctx: &LightSampleContext,
+        inside: Option<u32>,
+    ) -> CasterPairs {
+        let Self { batch, lane } = *self;
+        if inside.is_some() || pairs.needs_choice() {
+            return pairs.sample(ctx, inside, VertexBatch::pair(&batch.numbers.connection, lane));
+        }
+        pairs.accepted(batch.pairs.0[lane], ctx.hit.point)
     }
 
     #[inline(always)]
@@ -96,6 +111,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let sample = batch.light.get(lane);
             self.push_light_sample(state, ctx, &sample, factors, None, &mut queues.shadow);
         }
+        if may_scatter {
+            self.connect_diffuse(state, ctx, batch, lane, &mut queues.shadow);
+        }
         let (direction, pdf) = (batch.bsdf.direction.get(lane), batch.bsdf.pdf.0[lane]);
         if pdf <= 0.0 || !may_scatter {
             return None;
@@ -104,6 +122,30 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let weight = if fault!(CosineTwice) { albedo * cos() } else { albedo };
         let sample = BsdfSample { wi: DVec3::Z, weight, pdf, lobe: Lobe::Diffuse, eta: 1.0 };
         self.continue_lane(state, ctx, &sample, batch, lane)
+    }
+
+    /// Adds the connections of a Lambertian vertex.
+    #[inline(always)]
+    fn connect_diffuse(
+        &mut self,
+        state: &PathState,
+        ctx: &LightSampleContext,
+        batch: &VertexBatch,
+        lane: usize,
+        shadow_queue: &mut ShadowQueue<'_>,
+    ) {
+        let Some(pairs) = self.context.prepared.connections() else { return };
+        let Vertex { color: albedo, has_arrival, .. } = batch.vertices[lane];
+        // In vacuum, and none of the pairs is worth it.
+        if batch.pairs.0[lane] == 0 && !has_arrival && !pairs.needs_choice() {
+            return;
+        }
+        let bsdf = &Bsdf::Diffuse(Diffuse { albedo }, Hemisphere::Cosine);
+        let frame = &Frame::from_z(ctx.hit.facing_normal());
+        let scattering = Scattering { ctx, bsdf, frame, wo: DVec3::Z, crossing: None };
+        let numbers = LaneNumbers { batch, lane };
+        let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, ctx, inside);
+        self.add_connections(state, &scattering, choose, shadow_queue);
     }
 
     #[inline(always)]

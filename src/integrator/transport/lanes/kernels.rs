@@ -3,6 +3,7 @@
 
 use crate::fault::fault;
 use crate::geometry::Sphere;
+use crate::light::specular::{PairWorth, is_accepted};
 use crate::light::{Emitter, EmitterCut, LightSource, sample_cut_in_lane, sample_in_lane};
 use crate::material::{Diffuse, Mirror};
 use crate::math::{DVec3, Frame, LANES, Lanes, SimdKernel, renormalize};
@@ -21,6 +22,7 @@ pub(super) struct Needs {
     pub(super) direction: bool,
     pub(super) lobe: bool,
     pub(super) roulette: bool,
+    pub(super) connection: bool,
 }
 
 /// Computes the hit points.
@@ -66,6 +68,10 @@ impl SimdKernel for DrawNumbers<'_> {
         if needs.direction {
             select_set(sobol, depth, VertexDimensions::bsdf_direction);
             draw_2d(sobol, first.bsdf_direction(), &mut numbers.direction);
+        }
+        if needs.connection {
+            select_set(sobol, depth, VertexDimensions::connection_choice);
+            draw_2d(sobol, first.connection_choice(), &mut numbers.connection);
         }
         if needs.light_selection || needs.lobe || needs.roulette {
             // They share a set.
@@ -152,6 +158,35 @@ impl<const IS_LAMBERTIAN: bool> SimdKernel for SampleCutEmitter<'_, IS_LAMBERTIA
 
 fn source_of(emitter: &Emitter) -> SampledSource {
     SampledSource { source: LightSource::Emitter(emitter.id), radiance: emitter.emission }
+}
+
+/// Finds the pairs of a polished ball and a light that are worth a connection.
+pub(super) struct ChoosePairs<'a> {
+    pub(super) batch: &'a mut VertexBatch,
+    pub(super) worths: &'a [PairWorth],
+}
+
+impl SimdKernel for ChoosePairs<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { batch: VertexBatch { hit, numbers, pairs, .. }, worths } = self;
+        let u = &numbers.connection[1];
+        pairs.0 = [0; LANES];
+        for (n, pair) in (0..).zip(worths) {
+            let pair = *pair;
+            if pair.is_dielectric() {
+                for lane in 0..LANES {
+                    let worth = pair.at::<true>(hit.point.get(lane));
+                    pairs.0[lane] |= u32::from(is_accepted(u.0[lane], n, worth)) << n;
+                }
+            } else {
+                for lane in 0..LANES {
+                    let worth = pair.at::<false>(hit.point.get(lane));
+                    pairs.0[lane] |= u32::from(is_accepted(u.0[lane], n, worth)) << n;
+                }
+            }
+        }
+    }
 }
 
 /// Weights the light samples of Lambertian surfaces and samples directions.

@@ -10,7 +10,7 @@ use super::super::super::profile::Stage;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
 use super::super::paths::{PathState, StageQueues};
-use super::kernels::{DrawNumbers, Intersect, Needs, ReflectAtMirror, ScatterDiffuse};
+use super::kernels::{ChoosePairs, DrawNumbers, Intersect, Needs, ReflectAtMirror, ScatterDiffuse};
 use super::vertex_batch::{Vertex, VertexBatch, VertexBatches};
 use super::vertex_kind::VertexKind;
 
@@ -112,6 +112,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if needs.light {
             self.sample_lights(isa, kind, batch);
         }
+        if let Some(pairs) = self.context.prepared.connections().filter(|_| needs.connection) {
+            isa.run(ChoosePairs { batch, worths: pairs.worths() });
+        }
         self.clock.end(Stage::LightSamples);
         match kind {
             VertexKind::Diffuse => {
@@ -142,6 +145,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             direction: kind.samples_lights(),
             lobe: matches!(kind, VertexKind::SmoothDielectric | VertexKind::Other),
             roulette: self.is_roulette_due(deepest),
+            connection: kind.samples_lights() && self.context.prepared.connections().is_some(),
         }
     }
 }

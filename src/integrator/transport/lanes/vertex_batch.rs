@@ -22,6 +22,9 @@ pub(in super::super) struct VertexBatch {
     pub(super) numbers: NumberLanes,
     pub(super) light: LightSampleLanes,
     pub(super) bsdf: BsdfSampleLanes,
+    /// The pairs of a polished ball and a light that are worth a connection from outside of all
+    /// balls, as a set of bits, where all pairs are tried.
+    pub(super) pairs: Lanes<u32>,
 }
 
 /// A batch for each kind.
@@ -78,6 +81,7 @@ pub(super) struct NumberLanes {
     pub(super) direction: [Lanes<f64>; 2],
     pub(super) lobe: Lanes<f64>,
     pub(super) roulette: Lanes<f64>,
+    pub(super) connection: [Lanes<f64>; 2],
 }
 
 /// Light samples.

@@ -6,10 +6,11 @@ use crate::light::{Emitter, LightSampleContext};
 use crate::math::DVec3;
 use crate::sampling::Sampler;
 
-use super::super::{Caster, CasterSurface, ConnectedLight, PairSampler};
+use super::super::worth::is_accepted;
+use super::super::{Caster, CasterSurface, Casters, ConnectedLight, PairSampler};
 
 /// Balls and emitters in a unit box.
-fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64)>) -> PairSampler {
+fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64, f64)>) -> PairSampler {
     let sphere = |i: u64| {
         let sampler = Sampler::independent(8, i, 0);
         let center = DVec3::new(sampler.get(0), sampler.get(1), sampler.get(2));
@@ -23,9 +24,9 @@ fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64)>) -> PairSampler 
     };
     let caster = |id| Caster { id, ball: spheres.sphere(id), surface: surface(id) };
     let casters: Vec<_> = (0..balls).map(caster).collect();
-    let emitter = |id| Emitter { id, emission: Rgb::splat(1.0 + id as f32), transmittance: 0.0 };
+    let emitter = |id| Emitter::opaque(id, Rgb::splat(1.0 + id as f32));
     let emitters: Vec<_> = (balls..balls + emitters).map(emitter).collect();
-    PairSampler::new(&casters, &emitters, sun, &spheres)
+    PairSampler::new(Casters::find(&casters, &[], &spheres), &emitters, sun, &spheres)
 }
 
 fn contexts() -> impl Iterator<Item = LightSampleContext> {
@@ -38,7 +39,7 @@ fn contexts() -> impl Iterator<Item = LightSampleContext> {
     })
 }
 
-const SUN: Option<(DVec3, f64)> = Some((DVec3::Y, 3.0));
+const SUN: Option<(DVec3, f64, f64)> = Some((DVec3::Y, 3.0, 0.1));
 
 fn all_pairs(balls: u32, emitters: u32, has_sun: bool) -> Vec<(u32, ConnectedLight)> {
     let lights = (0..emitters).map(ConnectedLight::Emitter);
@@ -47,16 +48,21 @@ fn all_pairs(balls: u32, emitters: u32, has_sun: bool) -> Vec<(u32, ConnectedLig
 }
 
 #[test]
-fn a_few_pairs_are_all_tried() {
+fn a_few_pairs_are_all_tried_where_they_are_worth_it() {
     let sampler = sampler(3, 1, SUN);
+    let mut accepted = 0;
     for ctx in contexts() {
-        let chosen: Vec<_> = sampler.sample(&ctx, None, 0.3).iter().collect();
-        assert_eq!(chosen.len(), 6);
-        assert!(chosen.iter().all(|pair| pair.pmf == 1.0));
-        let of_one: Vec<_> = sampler.sample(&ctx, Some(1), 0.3).iter().collect();
-        assert_eq!(of_one.len(), 2);
-        assert!(of_one.iter().all(|pair| pair.caster == 1));
+        for inside in [None, Some(1)] {
+            let chosen: Vec<_> = sampler.sample(&ctx, inside, [0.9, 0.3]).iter().collect();
+            accepted += chosen.len();
+            for (n, pair) in (0..).zip(all_pairs(3, 1, true)) {
+                let is_chosen = chosen.iter().any(|chosen| (chosen.caster, chosen.light) == pair);
+                let pmf = sampler.pmf(&ctx, inside, pair);
+                assert_eq!(is_chosen, is_accepted(0.3, n, pmf), "{pair:?} {inside:?} {pmf}");
+            }
+        }
     }
+    assert!((50..150).contains(&accepted), "{accepted}");
 }
 
 #[test]
@@ -66,14 +72,18 @@ fn probabilities_add_up_to_one_and_are_those_of_the_samples() {
         let pairs = all_pairs(balls, emitters, sun.is_some());
         for ctx in contexts() {
             for inside in [None, Some(2)] {
-                let sum: f64 = pairs.iter().map(|&pair| sampler.pmf(&ctx, inside, pair)).sum();
+                let choice = |&pair| sampler.choice_pmf(&ctx, inside, pair);
+                let sum: f64 = pairs.iter().map(choice).sum();
                 // A tree may end at balls that are all below the horizon.
                 assert!(sum <= 1.0 + 1e-9, "{balls} {sum}");
-                if ctx.is_two_sided || inside.is_some() {
+                // Inside of an opaque ball, or one that no light is apart from, there are none.
+                let has_any = inside.is_none() || sum > 0.0;
+                if has_any && (ctx.is_two_sided || inside.is_some()) {
                     assert!((sum - 1.0).abs() < 1e-9, "{balls} {inside:?} {sum}");
                 }
                 for i in 0..200u32 {
-                    let u = Sampler::independent(3, i.into(), 0).get(0);
+                    let numbers = Sampler::independent(3, i.into(), 0);
+                    let u = [numbers.get(0), numbers.get(1)];
                     for pair in sampler.sample(&ctx, inside, u).iter() {
                         let pmf = sampler.pmf(&ctx, inside, (pair.caster, pair.light));
                         assert!((pair.pmf - pmf).abs() <= 1e-12 * pmf);
@@ -87,31 +97,27 @@ fn probabilities_add_up_to_one_and_are_those_of_the_samples() {
 /// The frequency of each pair, against its probability.
 #[test]
 fn pairs_are_chosen_as_often_as_they_say() {
-    for (balls, emitters, sun) in [(5, 4, SUN), (40, 3, SUN)] {
+    for (balls, emitters, sun) in [(3, 1, SUN), (5, 4, SUN), (40, 3, SUN)] {
         let sampler = sampler(balls, emitters, sun);
         let pairs = all_pairs(balls, emitters, sun.is_some());
         let ctx = contexts().next().expect("some");
         let count = 200_000u32;
         let mut found = vec![0.0; pairs.len()];
         for i in 0..count {
-            let u = Sampler::independent(4, i.into(), 0).get(0);
-            for pair in sampler.sample(&ctx, None, u).iter() {
+            let numbers = Sampler::independent(4, i.into(), 0);
+            for pair in sampler.sample(&ctx, None, [numbers.get(0), numbers.get(1)]).iter() {
                 let is_it = |other: &&(u32, ConnectedLight)| **other == (pair.caster, pair.light);
                 let index = pairs.iter().position(|other| is_it(&other)).expect("listed");
                 found[index] += 1.0;
             }
         }
-        let expected = |pair| f64::from(count) * sampler.pmf(&ctx, None, pair);
-        let (mut chi_square, mut cells) = (0.0, 0.0);
         for (pair, found) in pairs.iter().zip(found) {
-            let expected = expected(*pair);
-            if expected >= 5.0 {
-                chi_square += (found - expected) * (found - expected) / expected;
-                cells += 1.0;
-            }
+            let pmf = sampler.pmf(&ctx, None, *pair);
+            let expected = f64::from(count) * pmf;
+            // 5 standard deviations: 6e-7 for each of at most 160 pairs.
+            let deviation = (expected * (1.0 - pmf)).sqrt();
+            let off: f64 = found - expected;
+            assert!(off.abs() <= 5.0 * deviation + 5.0, "{pair:?}: {found}, not {expected}");
         }
-        // 4 standard deviations.
-        let limit: f64 = cells + 4.0 * f64::sqrt(2.0 * cells);
-        assert!(cells > 10.0 && chi_square < limit, "{chi_square} of {cells}");
     }
 }

@@ -94,6 +94,11 @@ impl LineParser for Uncommented {
         let end = memchr::memchr(b'#', line).unwrap_or(line.len());
         self.0.parse(&line[..end], to)
     }
+
+    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
+        let end = memchr::memchr2(b'#', b'\n', text)?;
+        if text[end] == b'#' { None } else { self.0.parse_quickly(text, to) }
+    }
 }
 
 /// The values of a row: named by the user, by the style of the section, or guessed. Also says what

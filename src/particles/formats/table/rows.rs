@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::particles::text::{
-    Batch, FieldUse, Fields, Kind, LineParser, float, float_with_comma, short_float,
+    Batch, FieldUse, Fields, LineParser, float, float_with_comma, push_quickly, short_float,
 };
 use crate::particles::trouble::{plural, shown};
 
@@ -24,6 +24,17 @@ impl<P: LineParser> LineParser for Commented<P> {
     fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String> {
         if is_comment(line) { Ok(()) } else { self.0.parse(line, to) }
     }
+
+    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
+        if may_be_comment(text) { None } else { self.0.parse_quickly(text, to) }
+    }
+}
+
+/// Returns true if the line at the beginning of a text may be a comment.
+#[inline]
+fn may_be_comment(text: &[u8]) -> bool {
+    let start = text.iter().find(|byte| **byte != b' ');
+    start.is_none_or(|start| matches!(start, b'#' | b'/' | b'\n' | b'\r' | b'\t'))
 }
 
 /// Returns true for empty lines and comments.
@@ -86,22 +97,6 @@ impl LineParser for DelimitedRows {
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
         for (at, is) in self.uses.iter().enumerate() {
-            if !self.has_decimal_comma {
-                let value = match is {
-                    FieldUse::Position(_) | FieldUse::Column(Kind::F64) => cells.short_number(),
-                    _ => None,
-                };
-                match (is, value) {
-                    (FieldUse::Position(axis), Some(value)) => position[*axis] = value,
-                    (_, Some(value)) => {
-                        columns.next().into_iter().for_each(|column| column.push_float(value));
-                    }
-                    _ => {}
-                }
-                if value.is_some() {
-                    continue;
-                }
-            }
             let Some(cell) = cells.next() else { return Err(self.wrong_count(line)) };
             let is_right = match is {
                 FieldUse::Skipped => true,
@@ -130,6 +125,58 @@ impl LineParser for DelimitedRows {
         to.positions.push(position);
         Ok(())
     }
+
+    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
+        if self.has_decimal_comma || may_be_comment(text) {
+            return None;
+        }
+        let cell_length = |text: &[u8]| {
+            let is_end = |byte: &u8| *byte == self.delimiter || matches!(byte, b'\n' | b'\r');
+            let cell = &text[..text.iter().position(is_end).unwrap_or(text.len())];
+            cell.trim_ascii_end().len()
+        };
+        let mut at = 0;
+        let mut position = [0.0; 3];
+        let mut columns = to.columns.iter_mut();
+        for (index, is) in self.uses.iter().enumerate() {
+            if index > 0 {
+                at = skip_spaces(text, at);
+                if *text.get(at)? != self.delimiter {
+                    return None;
+                }
+                at += 1;
+            }
+            at = skip_spaces(text, at);
+            let rest = &text[at..];
+            if rest.first() == Some(&b'"') {
+                return None;
+            }
+            at += match is {
+                FieldUse::Skipped => cell_length(rest),
+                FieldUse::Position(axis) => {
+                    let (value, length) = short_float(rest)?;
+                    position[*axis] = value;
+                    length
+                }
+                FieldUse::Column(_) => push_quickly(columns.next()?, rest, cell_length)?,
+            };
+        }
+        at = skip_spaces(text, at);
+        at += usize::from(text.get(at) == Some(&b'\r'));
+        if *text.get(at)? != b'\n' {
+            return None;
+        }
+        to.positions.push(position);
+        Some(at + 1)
+    }
+}
+
+#[inline(always)]
+fn skip_spaces(text: &[u8], mut at: usize) -> usize {
+    while text.get(at) == Some(&b' ') {
+        at += 1;
+    }
+    at
 }
 
 /// The cells of a line, without space and quotes around them.
@@ -170,19 +217,6 @@ impl<'l> Iterator for Cells<'l> {
 }
 
 impl<'l> Cells<'l> {
-    /// The next cell, if it is a number that is quick to read, without space around it.
-    #[inline]
-    fn short_number(&mut self) -> Option<f64> {
-        let rest = self.rest?;
-        let (value, length) = short_float(rest)?;
-        match rest.get(length) {
-            None => self.rest = None,
-            Some(&byte) if byte == self.delimiter => self.rest = Some(&rest[length + 1..]),
-            _ => return None,
-        }
-        Some(value)
-    }
-
     /// A cell after its opening quote; doubled quotes stay as they are.
     #[cold]
     fn quoted(&mut self, text: &'l [u8]) -> &'l [u8] {

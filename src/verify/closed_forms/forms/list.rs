@@ -1,10 +1,10 @@
 //! The table of closed forms.
 
-use super::LightTransport::{Direct, Global, Integrator};
+use super::LightTransport::{Connected, Direct, Global, Integrator};
 use super::{ClosedForm, DISTINCT_CHANNELS, GREY};
 use super::{
-    absorption, cameras, direct_light, exchange, first_hits, glass, many_lights, mirrors, uniform,
-    visibility,
+    absorption, cameras, caustics, direct_light, exchange, first_hits, glass, many_lights, mirrors,
+    uniform, visibility,
 };
 
 /// A grey closed form: name (also of its scene), title, formula, light transport, samples per pixel
@@ -139,6 +139,30 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         Direct,
         16,
         glass::emitter_in_glass
+    ),
+    form!(
+        "lamp-over-a-mirror",
+        "a small emitter, directly and over a mirror ball",
+        "L = a Le (s cos t + ρ/π ∫ cos dω)",
+        Connected,
+        16,
+        caustics::over_a_mirror
+    ),
+    form!(
+        "wide-lamp-over-a-mirror",
+        "a wide emitter, directly and over a mirror ball",
+        "L = a Le (s cos t + ρ/π ∫ cos dω)",
+        Direct,
+        16,
+        caustics::over_a_mirror
+    ),
+    form!(
+        "lamp-out-of-glass",
+        "a small emitter in a glass ball, from outside",
+        "L = a Le / (π n²) ∫ (1 - F) cos dω",
+        Connected,
+        16,
+        caustics::out_of_glass
     ),
     form!(
         "absorption",

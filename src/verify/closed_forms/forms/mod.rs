@@ -3,6 +3,7 @@
 
 mod absorption;
 mod cameras;
+mod caustics;
 mod direct_light;
 mod exchange;
 mod first_hits;
@@ -49,6 +50,8 @@ pub enum LightTransport {
     Global,
     /// Light scattered at most once, not counting mirrors and glass.
     Direct,
+    /// As [`Self::Direct`], by techniques that find small emitters over polished balls.
+    Connected,
     /// No light transport: the output of the integrator that the scene names.
     Integrator(&'static str),
 }

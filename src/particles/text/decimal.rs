@@ -1,0 +1,209 @@
+//! Decimal numbers without an exponent, eight digits at a time.
+//!
+//! Up to 19 digits fit into 64 bits. A number is then mantissa / 10^k, and its nearest f64 follows
+//! from one division if the mantissa is exact in f64, and else from a product with the reciprocal
+//! of 5^k in 128 bits (Lemire, "Number parsing at a gigabyte per second", 2021, and Mushtak and
+//! Lemire, "Fast number parsing without fallback", 2023, who show that this precision suffices).
+
+/// Most digits whose number fits into 64 bits.
+const MAX_DIGITS: usize = 19;
+
+/// Eight times the digit 0.
+const ZEROS: u64 = 0x3030_3030_3030_3030;
+
+/// Powers of ten that are f64 without rounding, as far as they are needed.
+const POWERS: [f64; MAX_DIGITS + 1] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19,
+];
+
+/// Powers of ten up to that of the digits in a word.
+const INTEGER_POWERS: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+
+/// 2^b / 5^k, rounded up, with the b for which it has 128 bits.
+const RECIPROCALS: [u128; MAX_DIGITS + 1] = reciprocals();
+
+const fn reciprocals() -> [u128; MAX_DIGITS + 1] {
+    let mut all = [1 << 127; MAX_DIGITS + 1];
+    let (mut k, mut divisor) = (1, 5u128);
+    while k <= MAX_DIGITS {
+        // Long division, bit by bit, until the quotient has 128 bits.
+        let (mut quotient, mut rest) = (0u128, 1u128);
+        while quotient >> 127 == 0 {
+            rest <<= 1;
+            quotient <<= 1;
+            if rest >= divisor {
+                rest -= divisor;
+                quotient |= 1;
+            }
+        }
+        all[k] = quotient + 1;
+        divisor *= 5;
+        k += 1;
+    }
+    all
+}
+
+/// The digits at the beginning of a text: their number as an integer, and how many there are. More
+/// than [`MAX_DIGITS`] may overflow.
+#[inline(always)]
+pub(super) fn leading_digits(text: &[u8], mut number: u64) -> (u64, usize) {
+    let mut at = 0;
+    while let Some(word) = text[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)) {
+        let count = digit_count(word);
+        if count == 8 {
+            number = number.wrapping_mul(100_000_000).wrapping_add(eight_digits(word - ZEROS));
+            at += 8;
+            continue;
+        }
+        if count > 0 {
+            // Digits that are 0 come first.
+            let digits = (word.wrapping_sub(ZEROS)) << (64 - 8 * count);
+            number = number.wrapping_mul(INTEGER_POWERS[count]).wrapping_add(eight_digits(digits));
+        }
+        return (number, at + count);
+    }
+    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|d| *d < 10) {
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    (number, at)
+}
+
+/// How many of eight bytes, from the lowest one on, are digits.
+#[inline(always)]
+fn digit_count(word: u64) -> usize {
+    let above_nine = word.wrapping_add(0x4646_4646_4646_4646);
+    let below_zero = word.wrapping_sub(ZEROS);
+    let others = (above_nine | below_zero) & 0x8080_8080_8080_8080;
+    others.trailing_zeros() as usize / 8
+}
+
+/// The number with eight digits, each in a byte, the first one in the lowest.
+#[inline(always)]
+fn eight_digits(digits: u64) -> u64 {
+    const MASK: u64 = 0x0000_00ff_0000_00ff;
+    let pairs = digits.wrapping_mul(10).wrapping_add(digits >> 8);
+    let outer = (pairs & MASK).wrapping_mul(100 + (1_000_000 << 32));
+    let inner = ((pairs >> 16) & MASK).wrapping_mul(1 + (10_000 << 32));
+    outer.wrapping_add(inner) >> 32
+}
+
+/// The number at the beginning of a text, and its length, if it has at most 19 digits and no
+/// exponent. What follows it may be anything.
+#[inline(always)]
+pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
+    let is_negative = text.first() == Some(&b'-');
+    let start = usize::from(is_negative);
+    let (mut mantissa, whole) = leading_digits(&text[start..], 0);
+    let (mut end, mut decimals) = (start + whole, 0);
+    if text.get(end) == Some(&b'.') {
+        end += 1;
+        (mantissa, decimals) = leading_digits(&text[end..], mantissa);
+        end += decimals;
+    }
+    let count = whole + decimals;
+    if count == 0 || count > MAX_DIGITS {
+        return None;
+    }
+    let value = match mantissa <= 1 << 53 || decimals == 0 {
+        true => mantissa as f64 / POWERS[decimals],
+        false => nearest_quotient(mantissa, decimals),
+    };
+    Some((if is_negative { -value } else { value }, end))
+}
+
+/// The f64 nearest to mantissa / 10^k, of which ties go to even, for a mantissa above 2^53 and k
+/// above 0.
+fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
+    /// A quotient by a higher power of 5 is no tie: the mantissa would have more than 64 bits.
+    const MAX_TIE_POWER: usize = 4;
+    let shift = mantissa.leading_zeros();
+    let normal = mantissa << shift;
+    let [low, high] = [RECIPROCALS[k] as u64, (RECIPROCALS[k] >> 64) as u64];
+    let wide = |a: u64, b: u64| u128::from(a) * u128::from(b);
+    let product = wide(normal, high) + (wide(normal, low) >> 64);
+    let (upper, lower) = ((product >> 64) as u64, product as u64);
+    // 54 bits: those of an f64, and one that decides the rounding.
+    let drop = (upper >> 63) + 9;
+    let mut bits = upper >> drop;
+    let has_nothing_below = lower <= 1 && bits << drop == upper;
+    if k <= MAX_TIE_POWER && has_nothing_below && bits & 3 == 1 {
+        bits &= !1;
+    }
+    let rounded = (bits + (bits & 1)) >> 1;
+    let bits_of_power = 128 - 5u128.pow(k as u32).leading_zeros() as i32;
+    let exponent = 2 + drop as i32 - shift as i32 - k as i32 - bits_of_power;
+    // Exact, because the exponent is far from the ends of the range.
+    rounded as f64 * f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn must_be_nearest(text: &str) {
+        let (value, length) = short_float(text.as_bytes()).expect("a number");
+        let expected: f64 = text[..length].parse().expect("a number");
+        assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
+        assert_eq!(length, text.trim_end_matches([' ', ',', '/', ':', 'x']).len(), "{text}");
+    }
+
+    #[test]
+    fn numbers_are_the_nearest_ones_whatever_follows() {
+        for text in [
+            "0",
+            "-0.0",
+            "12.5 ",
+            "-3.",
+            ".25,",
+            "9007199254740992",
+            "9007199254740993",
+            "0.000000000000000001",
+            "1234567890123456789",
+            "0.1234567890123456789",
+            "7.x",
+            "99999999999999999.99",
+            "12345678/",
+            "12345678.12345678:",
+            "123456789.0 xxxxxxxxx",
+        ] {
+            must_be_nearest(text);
+        }
+        for text in
+            ["", "-", ".", "-.", "x", "+1", "12345678901234567890", "0.12345678901234567890"]
+        {
+            assert_eq!(short_float(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(short_float(b"1e5"), Some((1.0, 1)));
+    }
+
+    #[test]
+    fn random_numbers_and_ties_are_rounded_like_those_of_the_standard_library() {
+        let mut state = 1u64;
+        let mut random = move || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state ^ (state >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 1
+        };
+        for _ in 0..200_000 {
+            let digits = (random() % 10_000_000_000_000_000_000).to_string();
+            let point = random() as usize % (digits.len() + 1);
+            must_be_nearest(&format!("{}.{}", &digits[..point], &digits[point..]));
+        }
+        for k in 1..=4 {
+            let power = 10f64.powi(k as i32) as u64;
+            for _ in 0..20_000 {
+                // An odd number of half units in the last place, and its neighbours.
+                let half = (random() >> 10) | (1 << 53) | 1;
+                let Some(tie) = half.checked_mul(5u64.pow(k)) else { continue };
+                for mantissa in [tie - 1, tie, tie + 1] {
+                    let (whole, rest) = (mantissa / power, mantissa % power);
+                    let text = format!("{whole}.{rest:0width$}", width = k as usize);
+                    if text.len() <= MAX_DIGITS + 1 {
+                        must_be_nearest(&text);
+                    }
+                }
+            }
+        }
+    }
+}

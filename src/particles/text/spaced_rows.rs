@@ -1,0 +1,248 @@
+//! Rows of values between white space.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::particles::trouble::{plural, shown};
+
+use super::batch::{Batch, Values};
+use super::decimal::{leading_digits, short_float};
+use super::fields::{FieldUse, Fields};
+use super::number::{float, tokens};
+use super::rows::LineParser;
+
+/// Parses rows of values between white space.
+pub(in crate::particles) struct SpacedRows {
+    uses: Vec<FieldUse>,
+    names: Vec<String>,
+    /// Values up to here are parsed.
+    last: usize,
+    allows_more: bool,
+    has_quotes: bool,
+    /// The value that should have been a number, after an error.
+    wrong: AtomicUsize,
+}
+
+impl SpacedRows {
+    /// Parses these values; a row may have more if `allows_more`.
+    pub(in crate::particles) fn new(fields: &Fields, allows_more: bool) -> Self {
+        let uses: Vec<_> = fields.0.iter().map(|field| field.is).collect();
+        let names = fields.0.iter().map(|field| field.name.clone()).collect();
+        let is_used = |is: &FieldUse| *is != FieldUse::Skipped;
+        let last = uses.iter().rposition(is_used).map_or(0, |last| last + 1);
+        let wrong = AtomicUsize::new(usize::MAX);
+        Self { uses, names, last, allows_more, has_quotes: false, wrong }
+    }
+
+    /// A value may be in single or double quotes, which end before white space.
+    #[must_use]
+    pub(in crate::particles) fn with_quotes(self) -> Self {
+        Self { has_quotes: true, ..self }
+    }
+
+    #[inline]
+    fn next<'l>(&self, rest: &mut &'l [u8]) -> &'l [u8] {
+        if self.has_quotes {
+            let start = rest.trim_ascii_start();
+            if let Some(quote @ (b'\'' | b'"')) = start.first() {
+                return quoted(&start[1..], *quote, rest);
+            }
+        }
+        next_token(rest)
+    }
+
+    /// The value that should have been a number, after an error.
+    pub(in crate::particles) fn wrong_field(&self) -> Option<usize> {
+        Some(self.wrong.load(Ordering::Relaxed)).filter(|&at| at != usize::MAX)
+    }
+
+    /// The names of all values from one on.
+    fn missing(&self, from: usize) -> String {
+        let names: Vec<&str> = self.names[from..].iter().take(6).map(|name| &**name).collect();
+        let more = if self.names.len() - from > 6 { " ..." } else { "" };
+        format!("{}{more}", names.join(" "))
+    }
+
+    #[cold]
+    fn wrong_count(&self, line: &[u8]) -> String {
+        let found = tokens(line).count();
+        let expected = plural(self.uses.len() as u64, "value");
+        if found < self.uses.len() {
+            let verb = if self.uses.len() - found == 1 { "is" } else { "are" };
+            format!("expected {expected}, found {found} ({} {verb} missing)", self.missing(found))
+        } else {
+            format!("expected {expected}, found {found}")
+        }
+    }
+
+    #[cold]
+    fn wrong_value(&self, at: usize, token: &[u8]) -> String {
+        let what = match self.uses[at] {
+            FieldUse::Position(_) => "a finite number",
+            _ => {
+                self.wrong.store(at, Ordering::Relaxed);
+                "a number"
+            }
+        };
+        format!("expected {what} for `{}`, found {}", self.names[at], shown(token))
+    }
+}
+
+impl LineParser for SpacedRows {
+    fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String> {
+        let mut rest = line;
+        let mut position = [0.0; 3];
+        let mut columns = to.columns.iter_mut();
+        for (at, is) in self.uses[..self.last].iter().enumerate() {
+            let token = self.next(&mut rest);
+            if token.is_empty() {
+                return Err(self.wrong_count(line));
+            }
+            let is_right = match is {
+                FieldUse::Skipped => true,
+                FieldUse::Position(axis) => {
+                    position[*axis] = float(token).unwrap_or(f64::NAN);
+                    position[*axis].is_finite()
+                }
+                FieldUse::Column(_) => columns.next().is_some_and(|column| column.push(token)),
+            };
+            if !is_right {
+                return Err(self.wrong_value(at, token));
+            }
+        }
+        for _ in self.last..self.uses.len() {
+            if self.next(&mut rest).is_empty() {
+                return Err(self.wrong_count(line));
+            }
+        }
+        if !self.allows_more && !self.next(&mut rest).is_empty() {
+            return Err(self.wrong_count(line));
+        }
+        to.positions.push(position);
+        Ok(())
+    }
+
+    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
+        if self.has_quotes {
+            return None;
+        }
+        let mut at = 0;
+        let mut position = [0.0; 3];
+        let mut columns = to.columns.iter_mut();
+        for is in &self.uses[..self.last] {
+            at = skip_blanks(text, at);
+            let rest = &text[at..];
+            let length = match is {
+                FieldUse::Skipped => token_length(rest),
+                FieldUse::Position(axis) => {
+                    let (value, length) = short_float(rest)?;
+                    position[*axis] = value;
+                    length
+                }
+                FieldUse::Column(_) => push_quickly(columns.next()?, rest, token_length)?,
+            };
+            at += length;
+            if length == 0 || !is_blank_or_end(text, at) {
+                return None;
+            }
+        }
+        for _ in self.last..self.uses.len() {
+            at = skip_blanks(text, at);
+            let length = token_length(&text[at..]);
+            if length == 0 {
+                return None;
+            }
+            at += length;
+        }
+        at = skip_blanks(text, at);
+        if self.allows_more && at < text.len() && text[at] > b' ' {
+            at += memchr::memchr(b'\n', &text[at..])?;
+        }
+        if text.get(at)? != &b'\n' {
+            return None;
+        }
+        to.positions.push(position);
+        Some(at + 1)
+    }
+}
+
+/// Appends the value at the beginning of a text, if it is a common one for the column; returns its
+/// length. A word has the length that a function finds.
+#[inline(always)]
+pub(in crate::particles) fn push_quickly(
+    column: &mut Values,
+    text: &[u8],
+    word_length: impl Fn(&[u8]) -> usize,
+) -> Option<usize> {
+    match column {
+        Values::F64(values) => {
+            let (value, length) = short_float(text)?;
+            values.push(value);
+            Some(length)
+        }
+        Values::I32(values) => {
+            let (value, length) = short_integer(text)?;
+            values.push(i32::try_from(value).ok()?);
+            Some(length)
+        }
+        Values::I64(values) => {
+            let (value, length) = short_integer(text)?;
+            values.push(value);
+            Some(length)
+        }
+        Values::Text(words) => {
+            let length = word_length(text);
+            words.push(&text[..length]);
+            Some(length)
+        }
+    }
+}
+
+/// An integer of at most 18 digits at the beginning of a text, and its length.
+#[inline(always)]
+fn short_integer(text: &[u8]) -> Option<(i64, usize)> {
+    const MAX_DIGITS: usize = 18;
+    let start = usize::from(text.first() == Some(&b'-'));
+    let (value, count) = leading_digits(&text[start..], 0);
+    let value = (1..=MAX_DIGITS).contains(&count).then_some(value as i64)?;
+    Some((if start == 1 { -value } else { value }, start + count))
+}
+
+/// Moves past white space within a line.
+#[inline(always)]
+fn skip_blanks(text: &[u8], mut at: usize) -> usize {
+    while text.get(at).is_some_and(|&byte| byte <= b' ' && byte != b'\n') {
+        at += 1;
+    }
+    at
+}
+
+#[inline(always)]
+fn is_blank_or_end(text: &[u8], at: usize) -> bool {
+    text.get(at).is_none_or(|&byte| byte <= b' ')
+}
+
+/// Length of the token at the beginning of a text.
+#[inline(always)]
+fn token_length(text: &[u8]) -> usize {
+    text.iter().position(|&byte| byte <= b' ').unwrap_or(text.len())
+}
+
+/// Takes the next token off a line; empty at its end.
+#[inline]
+fn next_token<'l>(rest: &mut &'l [u8]) -> &'l [u8] {
+    let is_space = |byte: u8| byte <= b' ';
+    let start = rest.iter().position(|&byte| !is_space(byte)).unwrap_or(rest.len());
+    let text = &rest[start..];
+    let end = text.iter().position(|&byte| is_space(byte)).unwrap_or(text.len());
+    *rest = &text[end..];
+    &text[..end]
+}
+
+/// A value after its opening quote, which ends at such a quote before white space.
+#[cold]
+fn quoted<'l>(text: &'l [u8], quote: u8, rest: &mut &'l [u8]) -> &'l [u8] {
+    let is_close = |at: usize| text[at] == quote && text.get(at + 1).is_none_or(|&b| b <= b' ');
+    let close = (0..text.len()).find(|&at| is_close(at)).unwrap_or(text.len());
+    *rest = text.get(close + 1..).unwrap_or_default();
+    &text[..close]
+}

@@ -1,0 +1,121 @@
+//! Columns of a particle file as layers of a picture: each pixel has the number of the particle
+//! that its layer `sphere_id` names.
+
+use std::path::Path;
+
+use crate::color::NO_ROW;
+use crate::error::{Error, Result};
+use crate::image_io::{ChannelValues, ImageChannel, Picture};
+use crate::particles::{ColumnData, Wanted, read};
+
+use super::data::SphereData;
+use super::particle_file::ParticleTable;
+use super::particle_table::FileRows;
+use super::{Scene, SceneDescription, SceneFile};
+
+/// The layer that tells which sphere a pixel shows.
+const SPHERE_ID: &str = "sphere_id";
+
+/// Channels that are no layers.
+const BEAUTY_CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
+
+/// Numbers of columns of the first particle file of a scene, by row of the file.
+#[derive(Clone, Debug)]
+pub struct ColumnLayers {
+    /// Index of the table of the particles.
+    table: usize,
+    rows: FileRows,
+    columns: Vec<(String, Vec<f32>)>,
+}
+
+impl ColumnLayers {
+    /// Reads columns of the particles of a scene file.
+    ///
+    /// # Errors
+    /// If the scene has no particle file, or that file lacks a column of numbers with such a name.
+    pub fn of_scene_file(file: &SceneFile, names: &[String]) -> Result<Self> {
+        let (table, particles) = first_particles(&file.description, names)?;
+        let rows = file.particles().next().map(|loaded| loaded.file_rows());
+        Self::read(table, particles, rows.unwrap_or_default(), names)
+    }
+
+    /// Reads columns of the particles of a scene whose files are in a folder.
+    ///
+    /// # Errors
+    /// As for [`Self::of_scene_file`].
+    pub fn of_description(
+        description: &SceneDescription,
+        folder: &Path,
+        names: &[String],
+    ) -> Result<Self> {
+        let (table, particles) = first_particles(description, names)?;
+        let mut particles = particles.clone();
+        particles.for_each_file(&mut |file| *file = folder.join(&*file));
+        let rows = particles.file_rows()?;
+        Self::read(table, &particles, rows, names)
+    }
+
+    fn read(
+        table: usize,
+        particles: &ParticleTable,
+        rows: FileRows,
+        names: &[String],
+    ) -> Result<Self> {
+        if let Some(name) = names.iter().find(|name| BEAUTY_CHANNELS.contains(&&***name)) {
+            let message = format!("the layer `{name}` would have the name of a colour channel");
+            return Err(Error::input(message).with_help("rename the column"));
+        }
+        let found = read(&particles.path, &particles.request(Wanted::Only(names.to_vec())))?;
+        let numbers = |name: &String| {
+            let column = found.column(name).filter(|c| !matches!(c.data, ColumnData::Text(_)));
+            let column = column.ok_or_else(|| {
+                let file = particles.path.display();
+                Error::input(format!("the column `{name}` of `{file}` has words"))
+                    .with_help("a layer holds numbers; name another column")
+            })?;
+            let all = (0..column.data.len()).map(|row| column.number(row) as f32);
+            Ok((name.clone(), all.collect()))
+        };
+        Ok(Self { table, rows, columns: names.iter().map(numbers).collect::<Result<_>>()? })
+    }
+
+    /// The names of the columns.
+    pub fn names(&self) -> Vec<String> {
+        self.columns.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Adds the layers to a picture of the scene that has the layer `sphere_id`. Pixels without a
+    /// particle are NaN.
+    pub fn add_to(&self, picture: &mut Picture, scene: &Scene) {
+        let ids = picture.channels.iter().find(|channel| channel.name == SPHERE_ID);
+        let Some(ChannelValues::Uint(ids)) = ids.map(|channel| &channel.values) else { return };
+        let row_in_file = |id: &u32| {
+            let id = Some(*id).filter(|id| *id != NO_ROW)?;
+            let (_, row) = scene.table_and_row(id).filter(|(table, _)| *table == self.table)?;
+            self.rows.row_in_file(row)
+        };
+        let rows: Vec<Option<u32>> = ids.iter().map(row_in_file).collect();
+        for (name, numbers) in &self.columns {
+            let number = |row: &Option<u32>| row.map_or(f32::NAN, |row| numbers[row as usize]);
+            let values = ChannelValues::Float(rows.iter().map(number).collect());
+            picture.channels.push(ImageChannel::new(name, values));
+        }
+    }
+}
+
+/// The first particle file of a scene, with the index of its table.
+fn first_particles<'d>(
+    description: &'d SceneDescription,
+    names: &[String],
+) -> Result<(usize, &'d ParticleTable)> {
+    let tables = description.tables.iter().enumerate();
+    let mut particles = tables.filter_map(|(index, table)| match &table.data {
+        SphereData::Particles(particles) => Some((index, &**particles)),
+        _ => None,
+    });
+    particles.next().ok_or_else(|| {
+        let name = names.first().map_or("", String::as_str);
+        Error::input(format!("there is no layer `{name}`"))
+            .with_help("columns are layers only in pictures of particle files")
+    })
+}
