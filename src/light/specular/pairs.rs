@@ -251,9 +251,6 @@ impl PairSampler {
         inside: Option<u32>,
         (caster, light): (u32, ConnectedLight),
     ) -> f64 {
-        if inside.is_some_and(|inside| inside != caster) {
-            return 0.0;
-        }
         let worth = self.worth((caster, light), inside.is_some(), ctx.hit.point);
         worth * self.choice_pmf(ctx, inside, (caster, light))
     }
@@ -265,6 +262,9 @@ impl PairSampler {
         inside: Option<u32>,
         (caster, light): (u32, ConnectedLight),
     ) -> f64 {
+        if inside.is_some_and(|inside| inside != caster) {
+            return 0.0;
+        }
         match &self.trees {
             _ if !self.needs_choice() => 1.0,
             Some(trees) => trees.pmf(ctx, inside, (caster, light)),
