@@ -172,6 +172,7 @@ fn an_embree_that_would_give_wrong_hits_is_rejected() {
 }
 
 /// Embree's kernels round differently for each instruction set. The hits must not.
+#[cfg(target_arch = "x86_64")]
 #[test]
 fn hits_do_not_depend_on_the_instruction_set() {
     // Enlarged radii can only be undone if they are similar.
