@@ -155,10 +155,16 @@ impl Lights {
         !self.is_empty() || self.environment.sun().is_some()
     }
 
-    /// Creates the sampler of pairs of these balls with the emitters and the sun.
-    pub fn pairs_with(&self, casters: Casters, spheres: &SphereSet) -> PairSampler {
+    /// Creates the sampler of pairs of these balls with the emitters and the sun. If `is_certain`,
+    /// chosen pairs are always connected, as where chance is not to find their light.
+    pub fn pairs_with(
+        &self,
+        casters: Casters,
+        spheres: &SphereSet,
+        is_certain: bool,
+    ) -> PairSampler {
         let sun = self.environment.sun().map(|sun| sun.beam());
-        PairSampler::new(casters, &self.emitters, sun, spheres)
+        PairSampler::new(casters, &self.emitters, sun, spheres, is_certain)
     }
 
     /// Samples a direction towards a light, from `u_select` and `u` in `[0, 1)`; `None` if the

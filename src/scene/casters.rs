@@ -32,7 +32,7 @@ pub(super) fn find_pairs(
         return None;
     }
     let candidates = find_candidates(scene);
-    if candidates.is_empty() || candidates.len() > MAX_CASTERS {
+    if candidates.is_empty() {
         return None;
     }
     let spheres = scene.spheres();
@@ -42,7 +42,8 @@ pub(super) fn find_pairs(
         false => Vec::new(),
     };
     let casters = Casters::find(&candidates, &dielectrics, spheres);
-    (!casters.is_empty()).then(|| lights.pairs_with(casters, spheres))
+    let is_certain = render.estimator == Estimator::Light;
+    (!casters.is_empty()).then(|| lights.pairs_with(casters, spheres, is_certain))
 }
 
 fn find_candidates(scene: &Scene) -> Vec<Caster> {
@@ -51,11 +52,16 @@ fn find_candidates(scene: &Scene) -> Vec<Caster> {
         return Vec::new();
     }
     let spheres = scene.spheres();
+    let is_candidate = |&id: &u32| {
+        let material = scene.surface(id).material;
+        material.opacity >= 1.0 && may_be(&material.model)
+    };
+    let ids = || (0..spheres.len() as u32).into_par_iter().filter(is_candidate);
+    if ids().count() > MAX_CASTERS {
+        return Vec::new();
+    }
     let caster = |id| {
         let Surface { material, color, .. } = scene.surface(id);
-        if material.opacity < 1.0 {
-            return None;
-        }
         let surface = match surface_of(&material.model)? {
             // The sphere's own colour counts.
             CasterSurface::Opaque(_) => {
@@ -68,7 +74,7 @@ fn find_candidates(scene: &Scene) -> Vec<Caster> {
         let is_dark = surface == CasterSurface::Opaque(0.0);
         (!is_dark).then(|| Caster { id, ball: spheres.sphere(id), surface })
     };
-    (0..spheres.len() as u32).into_par_iter().filter_map(caster).collect()
+    ids().filter_map(caster).collect()
 }
 
 /// Returns what a polished surface does with light, without its colour; `None` for others.

@@ -1,5 +1,6 @@
 //! `photosphere trace` as its users meet it: the path that render takes, told and drawn.
 
+use std::collections::BTreeMap;
 use std::fs;
 
 use photosphere::image_io::{BEAUTY, read_image};
@@ -53,7 +54,8 @@ fn must_be_equal(told: [f64; 3], expected: [f64; 3], about: &str) {
 
 /// Multiplies what the steps tell, and compares with what they tell of the products.
 fn must_multiply(steps: &[Value]) {
-    let (mut throughput, mut aimed) = ([1.0; 3], [0.0; 3]);
+    // What the light sample of a vertex, 0, and its connections bring.
+    let (mut throughput, mut aimed) = ([1.0; 3], BTreeMap::new());
     for step in steps {
         let of = |key: &str| rgb(step, key);
         let inverse = |key: &str| rgb(step, key).map(f64::recip);
@@ -68,12 +70,13 @@ fn must_multiply(steps: &[Value]) {
                 let light = product([throughput, of("L_e"), of("weight"), of("clamp")]);
                 must_be_equal(of("contribution"), light, &about);
             }
-            "light_sample" => {
+            "light_sample" | "connection" => {
                 let light = product([throughput, of("f_r"), of("cos"), of("L_e")]);
                 let weight = product([of("transmittance"), of("weight"), inverse("p")]);
-                aimed = product([light, weight]);
+                aimed.insert(step["number"].as_u64().unwrap_or(0), product([light, weight]));
             }
             "shadow_ray" => {
+                let aimed = aimed[&step["connection"].as_u64().expect("a number")];
                 must_be_equal(of("contribution"), product([aimed, of("V"), of("clamp")]), &about);
             }
             _ => {}

@@ -97,8 +97,9 @@ fn pixels(picture: &Picture) -> Vec<[f32; 3]> {
     (0..picture.len()).map(|pixel| picture.beauty(pixel).to_array()).collect()
 }
 
-/// Without connections, which are made over fewer balls where media nest, the pixels must be equal but for the rounding of points where rays start again, which now and
-/// then makes a path take another way.
+/// Without connections, which are made over fewer balls where media nest, the pixels must be equal
+/// but for the rounding of points where rays start again, which now and then makes a path take
+/// another way.
 fn must_look_alike(name: &str, changed: &Kit, plain: &Kit) {
     let by_chance =
         |kit: &Kit| kit.clone().with(|kit| kit.settings.render.caustics = Caustics::Chance);

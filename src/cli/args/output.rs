@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, TypedValueParser};
-use clap::error::ContextKind;
 use clap::{Arg, Args, Command};
 
 use crate::color::{ToneCurve, ViewTransform};
@@ -181,8 +180,8 @@ impl TypedValueParser for LayerParser {
             Ok(kind) => return Ok(LayerName::Aov(kind)),
             Err(refused) => refused,
         };
-        let is_typo = refused.get(ContextKind::SuggestedValue).is_some();
-        match value.to_str().filter(|name| !is_typo && !name.is_empty()) {
+        let is_typo = |name: &str| AOVS.iter().any(|row| strsim::osa_distance(row.name, name) <= 2);
+        match value.to_str().filter(|name| !name.is_empty() && !is_typo(name)) {
             Some(name) => Ok(LayerName::Column(name.to_owned())),
             None => Err(refused),
         }

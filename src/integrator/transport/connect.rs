@@ -40,8 +40,8 @@ struct PairLight<'a> {
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Adds the shadow rays of all connections that can contribute at a vertex. `choose` returns the
-    /// pairs to connect, given the ball that the vertex is in.
+    /// Adds the shadow rays of all connections that can contribute at a vertex. `choose` returns
+    /// the pairs to connect, given the ball that the vertex is in.
     #[inline(never)]
     pub(super) fn add_connections(
         &mut self,
@@ -61,10 +61,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             if kinds.is_empty() {
                 continue;
             }
+            let caster = &pairs.casters().all()[pair.caster as usize];
+            // All of the ball is below the horizon.
+            let height = (caster.ball.center - x).dot(scattering.ctx.hit.facing_normal());
+            if inside.is_none() && height <= -caster.ball.radius {
+                continue;
+            }
             let u = sampler.get_2d(dimension::connection(state.depth, pair.n));
             let Some(point) = lights.sample_connected_point(pairs, &pair, x, u) else { continue };
             self.stats.connections += 1;
-            let caster = &pairs.casters().all()[pair.caster as usize];
             let ior = pairs.casters().ior(pair.caster).unwrap_or(1.0);
             for &kind in kinds.iter().filter(|kind| kind.edges() <= room) {
                 kind.connect_each(&caster.ball, ior, x, point.target, |connection| {

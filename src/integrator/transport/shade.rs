@@ -115,9 +115,16 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         } else if fault!(BackgroundCameraOnly) {
             radiance = Rgb::ZERO;
         }
-        if let Some(pdfs) = self.chain_pdfs(state, direction, &FoundLight::Sun) {
-            // Connections find the sun alone, not the sky around it.
-            let sun = lights.sun_radiance(direction);
+        // Connections find the sun alone, not the sky around it.
+        let sun = match self.context.prepared.connections() {
+            Some(_) => lights.sun_radiance(direction),
+            None => Rgb::ZERO,
+        };
+        let pdfs = match sun {
+            Rgb::ZERO => None,
+            _ => self.chain_pdfs(state, direction, &FoundLight::Sun),
+        };
+        if let Some(pdfs) = pdfs {
             radiance = (radiance - sun).max(Rgb::ZERO);
             self.add_connectable_emission(state, LightSource::Environment, sun, &pdfs);
         }

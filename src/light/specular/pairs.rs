@@ -43,6 +43,7 @@ pub struct PairSampler {
     /// Direction and irradiance of the sun.
     sun: Option<(DVec3, f64)>,
     sun_solid_angle: f64,
+    is_certain: bool,
     /// Of each pair, if all are tried.
     worths: Vec<PairWorth>,
     trees: Option<PairTrees>,
@@ -57,12 +58,13 @@ impl CasterPairs {
 
 impl PairSampler {
     /// Creates the sampler of all pairs of these balls with the emitters and the sun, given by its
-    /// direction, irradiance and solid angle.
+    /// direction, irradiance and solid angle. If `is_certain`, chosen pairs are always connected.
     pub fn new(
         casters: Casters,
         emitters: &[Emitter],
         sun: Option<(DVec3, f64, f64)>,
         spheres: &SphereSet,
+        is_certain: bool,
     ) -> Self {
         let connected = |emitter: &Emitter| {
             let sphere = spheres.sphere(emitter.id);
@@ -73,7 +75,8 @@ impl PairSampler {
         let sun_solid_angle = sun.map_or(0.0, |sun| sun.2);
         let sun = sun.map(|(direction, irradiance, _)| (direction, irradiance));
         let worths = Vec::new();
-        let mut sampler = Self { casters, emitters, sun, sun_solid_angle, worths, trees: None };
+        let mut sampler =
+            Self { casters, emitters, sun, sun_solid_angle, is_certain, worths, trees: None };
         if !sampler.needs_choice() {
             sampler.worths = sampler.pairs(None).map(|pair| sampler.compute_worth(pair)).collect();
         }
@@ -102,6 +105,7 @@ impl PairSampler {
         let Caster { id, ball, surface } = self.casters.all()[caster as usize];
         let place = match light {
             ConnectedLight::Emitter(index) => self.emitters[index as usize].place(id, &ball),
+            ConnectedLight::Sun if self.sun.is_none() => EmitterPlace::Elsewhere,
             ConnectedLight::Sun => EmitterPlace::Apart,
         };
         match (surface, is_inside, place) {
@@ -156,7 +160,7 @@ impl PairSampler {
 
     fn compute_worth(&self, (caster, light): (u32, ConnectedLight)) -> PairWorth {
         let caster = &self.casters.all()[caster as usize];
-        match light {
+        let worth = match light {
             ConnectedLight::Emitter(index) => {
                 PairWorth::new(caster, &self.emitters[index as usize])
             }
@@ -164,7 +168,8 @@ impl PairSampler {
                 let (towards, _) = self.sun.unwrap_or((DVec3::Z, 0.0));
                 PairWorth::of_sun(caster, towards, self.sun_solid_angle)
             }
-        }
+        };
+        if self.is_certain { worth.certain() } else { worth }
     }
 
     fn light_count(&self) -> usize {
@@ -251,9 +256,6 @@ impl PairSampler {
         inside: Option<u32>,
         (caster, light): (u32, ConnectedLight),
     ) -> f64 {
-        if inside.is_some_and(|inside| inside != caster) {
-            return 0.0;
-        }
         let worth = self.worth((caster, light), inside.is_some(), ctx.hit.point);
         worth * self.choice_pmf(ctx, inside, (caster, light))
     }
@@ -265,6 +267,9 @@ impl PairSampler {
         inside: Option<u32>,
         (caster, light): (u32, ConnectedLight),
     ) -> f64 {
+        if inside.is_some_and(|inside| inside != caster) {
+            return 0.0;
+        }
         match &self.trees {
             _ if !self.needs_choice() => 1.0,
             Some(trees) => trees.pmf(ctx, inside, (caster, light)),

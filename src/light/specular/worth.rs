@@ -4,9 +4,10 @@
 //! Paths find a source of radiance L that brings the irradiance `E_c` over a ball with the
 //! probability `E_c / (pi L)`, so that the variance of chance is about `E_c pi L`. The worth of a
 //! connection is that variance over the square of the irradiance `E = L pi R^2 / d^2` that the same
-//! source, a sphere of radius R at the distance d, brings directly. A ball of radius r at the
-//! distance a from the point and b from the source sends on `E_c = s E_b (r / 2a)^2`, with the share
-//! s of what an even mirror ball would. So the saving is `s (r / 2a)^2 d^4 / (b^2 R^2)`.
+//! source, a sphere of radius R at the distance d, brings directly if nothing hides it. A ball of
+//! radius r at the distance a from the point and b from the source sends on
+//! `E_c = s E_b (r / 2a)^2`, with the share s of what an even mirror ball would. So the saving is
+//! `s (r / 2a)^2 d^4 / (b^2 R^2)`.
 
 use std::f64::consts::PI;
 
@@ -72,6 +73,11 @@ impl PairWorth {
     /// Of a pair with the sun, in a direction with a solid angle.
     pub(super) fn of_sun(caster: &Caster, towards: DVec3, solid_angle: f64) -> Self {
         Self { towards, gain: PI / (solid_angle * CERTAIN), ..Self::of_ball(caster) }
+    }
+
+    /// Returns this pair as one that is always connected.
+    pub(super) fn certain(self) -> Self {
+        Self { gain: f64::INFINITY, ..self }
     }
 
     fn of_ball(caster: &Caster) -> Self {

@@ -28,8 +28,8 @@ pub(super) fn to_scene(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample (0) or connection with this `number` at event `index`: the transmitted
-/// fraction and the contribution. `None` if no ray could be spawned.
+/// Result of the light sample (0) or connection with this `number` at event `index`: the
+/// transmitted fraction and the contribution. `None` if no ray could be spawned.
 pub(super) fn shadow_result(
     events: &[PathEvent],
     index: usize,

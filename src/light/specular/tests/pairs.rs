@@ -26,7 +26,7 @@ fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64, f64)>) -> PairSam
     let casters: Vec<_> = (0..balls).map(caster).collect();
     let emitter = |id| Emitter::opaque(id, Rgb::splat(1.0 + id as f32));
     let emitters: Vec<_> = (balls..balls + emitters).map(emitter).collect();
-    PairSampler::new(Casters::find(&casters, &[], &spheres), &emitters, sun, &spheres)
+    PairSampler::new(Casters::find(&casters, &[], &spheres), &emitters, sun, &spheres, false)
 }
 
 fn contexts() -> impl Iterator<Item = LightSampleContext> {
