@@ -27,7 +27,6 @@ impl Columns {
     /// From arrays, which are checked to be of numbers: positions in f32 if `single`, columns of
     /// numbers with their type, and columns of words as codes with names.
     #[new]
-    #[expect(clippy::too_many_arguments, reason = "called by one function in Python")]
     fn new(
         name: PathBuf,
         positions: &Bound<'_, PyAny>,

@@ -294,10 +294,8 @@ impl Picture {
         let mut arrays = arrays.iter();
         let mut colors = || -> PyResult<Vec<Rgb>> {
             let flat: Vec<f32> = crate::arrays::values(arrays.next().ok_or_else(wrong)?)?;
-            let (all, rest) = flat.as_chunks::<3>();
-            let fits = rest.is_empty() && all.len() == kept.width * kept.height;
-            fits.then(|| all.iter().map(|color| Rgb::from_array(*color)).collect())
-                .ok_or_else(wrong)
+            let fits = flat.len() == 3 * kept.width * kept.height;
+            fits.then(|| flat.chunks_exact(3).map(Rgb::from_slice).collect()).ok_or_else(wrong)
         };
         let (direct, indirect) = (colors()?, colors()?);
         let alpha = match kept.has_alpha {

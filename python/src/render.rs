@@ -60,11 +60,14 @@ struct Loaded {
     choices: Vec<(&'static str, String)>,
 }
 
+/// Opens the scene of a render.
+type OpenScene = dyn FnOnce(&KeywordRender, &[Override]) -> Result<OpenedScene> + Send;
+
 /// What a render starts from.
 struct Start {
     request: KeywordRender,
     changes: Vec<Override>,
-    opened: Box<dyn FnOnce(&KeywordRender, &[Override]) -> Result<OpenedScene> + Send>,
+    opened: Box<OpenScene>,
     checkpoint: Option<Checkpoint>,
     /// The job of a checkpoint, which replaces the settings of the scene.
     job: Option<Job>,

@@ -66,6 +66,7 @@ pub struct KeywordRender(RenderRequest);
 
 /// Where the scene of a render comes from.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "one exists at a time, and it is moved once")]
 pub enum SceneInput {
     /// A scene file, or a particle file.
     File(PathBuf),

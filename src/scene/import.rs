@@ -95,6 +95,7 @@ pub(super) struct TablePlan {
 
 /// What a program gives in place of a table's file.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there are a few, each moved once")]
 pub(super) enum GivenTable {
     /// Particles, for `[[particles]]`.
     Particles(Arc<Particles>),

@@ -1,6 +1,5 @@
 //! The balls of a scene over which connections are made.
 
-use std::collections::{HashMap, HashSet};
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
@@ -50,14 +49,10 @@ impl Casters {
         if candidates.is_empty() {
             return Self::default();
         }
-        let twins = twins(candidates, spheres);
         let tree = SphereTree::new(dielectrics.iter().map(|&id| spheres.sphere(id)));
         let kept = |chunk: &[Caster]| {
             let mut pending = Vec::new();
             let mut is_free = |caster: &Caster| {
-                if twins.contains(&bits_of(&caster.ball)) {
-                    return false;
-                }
                 let mut is_touched = false;
                 tree.visit(
                     &mut pending,
@@ -105,27 +100,6 @@ impl Casters {
     }
 }
 
-/// The candidates that have the same numbers as another sphere: which of them a ray hits is decided
-/// by their order, and a connection over one would meet the other.
-fn twins(candidates: &[Caster], spheres: &SphereSet) -> HashSet<[u64; 4]> {
-    if spheres.duplicates() == 0 {
-        return HashSet::new();
-    }
-    let mut counts: HashMap<_, usize> =
-        candidates.iter().map(|caster| (bits_of(&caster.ball), 0)).collect();
-    for id in 0..spheres.len() as u32 {
-        if let Some(count) = counts.get_mut(&bits_of(&spheres.sphere(id))) {
-            *count += 1;
-        }
-    }
-    counts.into_iter().filter(|(_, count)| *count > 1).map(|(bits, _)| bits).collect()
-}
-
-fn bits_of(sphere: &Sphere) -> [u64; 4] {
-    let [x, y, z] = sphere.center.to_array();
-    [x, y, z, sphere.radius].map(f64::to_bits)
-}
-
 /// Returns true if a sphere meets the surface of a ball or contains the ball.
 fn touches(ball: &Sphere, other: &Sphere) -> bool {
     let distance = ball.center.distance(other.center);
@@ -168,7 +142,6 @@ mod tests {
         assert_eq!(kept(&[ball(0.0, 1.0), ball(1.5, 1.0), ball(9.0, 1.0)]), [2], "overlapping");
         assert_eq!(kept(&[ball(0.0, 1.0), ball(0.2, 0.5)]), [0], "a bubble, which is inside");
         assert_eq!(kept(&[ball(0.0, 1.0), ball(2.0, 1.0)]), [0, 1], "only tangent");
-        assert_eq!(kept(&[ball(0.0, 1.0), ball(0.0, 1.0), ball(9.0, 1.0)]), [2], "twins");
     }
 
     #[test]
