@@ -7,9 +7,8 @@
 //!
 //! The stages of one edge, in a file each where they are more than a loop: camera rays
 //! ([`camera_paths`]), closest hits ([`batch`]), surfaces and their emission ([`shade`]), light
-//! sampling ([`next_event`]), connections over polished balls ([`connect`]), BSDF sampling and Russian
-//! roulette ([`scatter`]), occlusion
-//! ([`batch`]).
+//! sampling ([`next_event`]), connections over polished balls ([`connect`]), BSDF sampling and
+//! Russian roulette ([`scatter`]), occlusion ([`batch`]).
 
 mod batch;
 mod camera_paths;
