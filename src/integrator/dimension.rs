@@ -33,8 +33,8 @@ pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
 }
 
 /// Connection to the n-th pair of a ball and a light from the vertex at the end of edge `depth`:
-/// two dimensions for the point of the light. Those of the first pair also have two for the choice of
-/// pairs, [`VertexDimensions::connection_choice`].
+/// two dimensions for the point of the light. Those of the first pair also have two for the choice
+/// of pairs, [`VertexDimensions::connection_choice`].
 pub(super) fn connection(depth: u32, n: u32) -> u32 {
     // The depth is below 10 000, n below 8. Unused lanes may pass any depth.
     32u32.wrapping_mul(depth).wrapping_add((7 << 29) + 4 * n)
