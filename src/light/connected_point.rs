@@ -1,12 +1,12 @@
-//! The points of lights that specular connections go to.
+//! The lights that specular connections go to, and points of them.
 
 use crate::color::Rgb;
-use crate::geometry::Sphere;
+use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 
 use super::Lights;
 use super::specular::{
-    CasterPair, ConnectedLight, Connection, EmitterView, PairSampler, SpecularPath, Target,
+    CasterPair, Casters, ConnectedLight, Connection, EmitterView, PairSampler, SpecularPath, Target,
 };
 
 /// A point of an emitter or a direction to the sun, drawn for one ball.
@@ -44,6 +44,23 @@ impl ConnectedPoint {
 }
 
 impl Lights {
+    /// Returns true if there is an emitter or a sun for connections to go to.
+    pub fn may_connect(&self) -> bool {
+        !self.is_empty() || self.environment.sun().is_some()
+    }
+
+    /// Creates the sampler of pairs of these balls with the emitters and the sun. If `is_certain`,
+    /// chosen pairs are always connected, as where chance is not to find their light.
+    pub fn pairs_with(
+        &self,
+        casters: Casters,
+        spheres: &SphereSet,
+        is_certain: bool,
+    ) -> PairSampler {
+        let sun = self.environment.sun().map(|sun| sun.beam());
+        PairSampler::new(casters, &self.emitters, sun, spheres, is_certain)
+    }
+
     /// Draws a point of the light of a pair by `u` in `[0, 1)^2`, to be connected with a point `x`;
     /// `None` if the light does not face the ball.
     pub fn sample_connected_point(

@@ -36,7 +36,6 @@ use crate::math::{DVec3, NO_SPHERE};
 use category::LightCategory;
 use environment::MapSample;
 use light_sampler::LightSampler;
-use specular::{Casters, PairSampler};
 use visible_emitter::VisibleEmitter;
 
 /// All lights of a scene.
@@ -148,23 +147,6 @@ impl Lights {
     /// The environment that rays see on a miss.
     pub fn environment(&self) -> &Environment {
         &self.environment
-    }
-
-    /// Returns true if there is an emitter or a sun for connections to go to.
-    pub fn may_connect(&self) -> bool {
-        !self.is_empty() || self.environment.sun().is_some()
-    }
-
-    /// Creates the sampler of pairs of these balls with the emitters and the sun. If `is_certain`,
-    /// chosen pairs are always connected, as where chance is not to find their light.
-    pub fn pairs_with(
-        &self,
-        casters: Casters,
-        spheres: &SphereSet,
-        is_certain: bool,
-    ) -> PairSampler {
-        let sun = self.environment.sun().map(|sun| sun.beam());
-        PairSampler::new(casters, &self.emitters, sun, spheres, is_certain)
     }
 
     /// Samples a direction towards a light, from `u_select` and `u` in `[0, 1)`; `None` if the

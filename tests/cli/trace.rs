@@ -162,6 +162,39 @@ fn a_clamp_that_bites_and_a_medium_that_absorbs_have_their_factors() {
     );
 }
 
+/// A connection over a polished ball is told, drawn, and one of the sums.
+#[test]
+fn a_connection_has_its_factors_words_and_lines() {
+    let scene = "caustics/two-balls.toml";
+    let arrives =
+        |step: &Value| is(step, "shadow_ray") && step["connection"] != 0 && rgb(step, "V")[0] > 0.0;
+    must_be_what_render_takes(
+        scene,
+        "--set render.clamp_indirect=0.02",
+        &[
+            |step| is(step, "connection") && rgb(step, "weight")[0] > 0.0,
+            arrives,
+            |step| is(step, "shadow_ray") && rgb(step, "clamp")[0] < 1.0,
+        ],
+    );
+    let desk = desk(scene);
+    let mut all = String::new();
+    for y in 6..12 {
+        all += &trace(&desk, &format!("--pixel 12,{y} --svg {y}.svg")).succeeds().stdout;
+        all += &fs::read_to_string(desk.path().join(format!("{y}.svg"))).expect("written");
+    }
+    for told in [
+        "connects reflected off `mirror ball` to `lamp`",
+        "connects through `glass ball`",
+        "with a reflection inside, `glass ball`",
+        "|dA / dw| = ",
+        "by BSDF sampling: w = ",
+        "class=\"unoccluded\"",
+    ] {
+        assert!(all.contains(told), "`{told}` is not in\n{all}");
+    }
+}
+
 #[test]
 fn the_story_has_the_letters_of_the_equation_and_the_names_of_the_spheres() {
     let desk = desk("cornell-spheres.toml");

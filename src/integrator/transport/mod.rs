@@ -6,15 +6,16 @@
 //! options. A [`super::trace::PathRecorder`] may record it.
 //!
 //! The stages of one edge, in a file each where they are more than a loop: camera rays
-//! ([`camera_paths`]), closest hits ([`batch`]), surfaces and their emission ([`shade`]), light
-//! sampling ([`next_event`]), connections over polished balls ([`connect`]), BSDF sampling and
-//! Russian roulette ([`scatter`]), occlusion ([`batch`]).
+//! ([`camera_paths`]), closest hits ([`batch`]), surfaces ([`shade`]) and their emission
+//! ([`emission`]), light sampling ([`next_event`]), connections over polished balls ([`connect`]),
+//! BSDF sampling and Russian roulette ([`scatter`]), occlusion ([`batch`]).
 
 mod batch;
 mod camera_paths;
 mod chain;
 mod chances;
 mod connect;
+mod emission;
 mod lanes;
 mod next_event;
 mod opacity;
@@ -22,6 +23,7 @@ mod path_tracer;
 mod paths;
 mod scatter;
 mod shade;
+mod vertex;
 mod visible_surface;
 mod weight;
 

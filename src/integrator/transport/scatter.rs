@@ -12,7 +12,7 @@ use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
 use super::chain::Chain;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex};
-use super::shade::VertexNumbers;
+use super::vertex::VertexNumbers;
 
 /// Paths with fewer edges are never terminated by roulette.
 const ROULETTE_MIN_DEPTH: u32 = 4;

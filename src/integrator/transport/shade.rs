@@ -1,98 +1,22 @@
-//! Surface shading: hits and misses, emission, and the continuation of the path.
+//! Surface shading: hits and misses, and the continuation of the path.
 
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::specular::{CasterPairs, PairSampler};
-use crate::light::{CategoryPmf, LightSample, LightSampleContext, LightSource};
-use crate::material::{Crossing, Lobe};
-use crate::math::{DVec3, Frame, renormalize};
-use crate::sampling::{Sampler, power_heuristic};
-use crate::scene::SphereMaterial;
+use crate::light::specular::PairSampler;
+use crate::light::{CategoryPmf, LightSampleContext, LightSource};
+use crate::material::Lobe;
+use crate::math::{Frame, renormalize};
 use crate::scene::settings::{Estimator, MissPolicy};
 
-use super::super::context::RenderContext;
 use super::super::dimension::{VertexDimensions, bsdf_extra};
-use super::super::trace::{PathEvent, PathRecorder, Rival, Termination};
+use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
-use super::chain::{ChainPdfs, FoundLight};
+use super::chain::FoundLight;
 use super::next_event::Scattering;
 use super::opacity;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
-
-/// A path's vertex on a surface.
-pub(super) struct SurfaceVertex<'a> {
-    pub(super) hit: SurfaceHit,
-    /// Unit direction to the previous vertex.
-    pub(super) wo: DVec3,
-    pub(super) surface: SphereMaterial<'a>,
-    /// Index of refraction beyond the surface over the index on this side.
-    pub(super) eta: f64,
-    /// What a path does that goes through, if the media differ on both sides.
-    pub(super) crossing: Option<Crossing>,
-}
-
-/// The random numbers of a vertex.
-pub(super) trait VertexNumbers {
-    /// Samples a light, and returns the probabilities of all categories of lights as well.
-    fn sample_light(
-        &self,
-        context: RenderContext<'_>,
-        ctx: &LightSampleContext,
-    ) -> (CategoryPmf, Option<LightSample>);
-    /// Chooses the pairs of a polished ball and a light to connect, of all or of those of the ball
-    /// `inside` which the vertex is.
-    fn choose_pairs(
-        &self,
-        pairs: &PairSampler,
-        ctx: &LightSampleContext,
-        inside: Option<u32>,
-    ) -> CasterPairs;
-    /// Two numbers for the BSDF's direction.
-    fn direction(&self) -> [f64; 2];
-    /// For the selection of the BSDF's lobe.
-    fn lobe(&self) -> f64;
-    /// For Russian roulette.
-    fn roulette(&self) -> f64;
-}
-
-impl VertexNumbers for (Sampler, VertexDimensions) {
-    fn sample_light(
-        &self,
-        context: RenderContext<'_>,
-        ctx: &LightSampleContext,
-    ) -> (CategoryPmf, Option<LightSample>) {
-        let (sampler, vertex) = *self;
-        let lights = context.prepared.lights();
-        let u = sampler.get_2d(vertex.light_direction());
-        let has_choice = lights.needs_selection();
-        let u_select = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
-        let category_pmf = lights.category_pmf(ctx);
-        let spheres = context.scene.spheres();
-        (category_pmf, lights.sample_by(&category_pmf, spheres, ctx, u_select, u))
-    }
-
-    fn choose_pairs(
-        &self,
-        pairs: &PairSampler,
-        ctx: &LightSampleContext,
-        inside: Option<u32>,
-    ) -> CasterPairs {
-        pairs.sample(ctx, inside, self.0.get_2d(self.1.connection_choice()))
-    }
-
-    fn direction(&self) -> [f64; 2] {
-        self.0.get_2d(self.1.bsdf_direction())
-    }
-
-    fn lobe(&self) -> f64 {
-        self.0.get(self.1.lobe())
-    }
-
-    fn roulette(&self) -> f64 {
-        self.0.get(self.1.roulette())
-    }
-}
+use super::vertex::{SurfaceVertex, VertexNumbers};
 
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// Shades a path that misses: adds the environment's radiance. Returns the ray on which it
@@ -294,98 +218,5 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// Returns true if a path may be scattered in more than one direction once more.
     pub(super) fn may_scatter(&self, state: &PathState) -> bool {
         state.scatter_count < self.integrator.max_scatterings
-    }
-
-    /// Adds emission found by BSDF sampling, with its MIS weight if light sampling could have found
-    /// it.
-    pub(super) fn add_emission(
-        &mut self,
-        state: &PathState,
-        direction: DVec3,
-        wall: impl Fn(u32) -> LightSource,
-        hit: &SurfaceHit,
-        radiance: Rgb,
-    ) {
-        let source = wall(hit.id);
-        if let Some(pdfs) = self.chain_pdfs(state, direction, &FoundLight::Emitter(hit)) {
-            return self.add_connectable_emission(state, source, radiance, &pdfs);
-        }
-        let (spheres, lights) = (self.context.scene.spheres(), self.context.prepared.lights());
-        let pdf_light = |prev: &PrevVertex| {
-            let ctx = prev.light_sample_context(spheres);
-            lights.pdf_by(&prev.lights, spheres, &ctx, source, direction)
-        };
-        self.add_weighted_emission(state, source, radiance, pdf_light);
-    }
-
-    /// As [`Self::add_emission`], given the pdf with which light sampling at the previous vertex
-    /// would have sampled the path's direction.
-    fn add_weighted_emission(
-        &mut self,
-        state: &PathState,
-        source: LightSource,
-        radiance: Rgb,
-        pdf_light: impl Fn(&PrevVertex) -> f64,
-    ) {
-        if radiance == Rgb::ZERO && !R::ENABLED {
-            return;
-        }
-        let prev = self.prev_vertex(state).filter(|_| self.samples_lights());
-        let pdf_light = prev.map_or(0.0, pdf_light);
-        let prev = self.prev_vertex(state);
-        let pdf = prev.map(|prev| prev.pdf);
-        let weight = match (self.integrator.estimator, pdf) {
-            (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
-            (Estimator::Mis, Some(p)) if fault!(MisWeightsSwapped) => {
-                power_heuristic(pdf_light, p) as f32
-            }
-            (Estimator::Mis, Some(_)) if pdf_light > 0.0 && self.is_light_exact(prev) => 0.0,
-            (Estimator::Mis, Some(pdf)) => power_heuristic(pdf, pdf_light) as f32,
-            (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
-            _ => 1.0,
-        };
-        let contribution =
-            self.clamp_contribution(state.throughput * radiance * weight, state.is_direct());
-        self.add_contribution(state.batch_index, contribution);
-        self.recorder.record(|| PathEvent::Emission {
-            source,
-            radiance,
-            pdf,
-            rival: Rival::LightSample(pdf_light),
-            weight,
-            contribution,
-        });
-    }
-
-    /// Adds emission found by chance over a polished ball, with its MIS weight against connections.
-    fn add_connectable_emission(
-        &mut self,
-        state: &PathState,
-        source: LightSource,
-        radiance: Rgb,
-        pdfs: &ChainPdfs,
-    ) {
-        let weight = match self.integrator.estimator {
-            Estimator::Light => 0.0,
-            _ => power_heuristic(pdfs.chance, pdfs.connection) as f32,
-        };
-        let contribution =
-            self.clamp_contribution(state.throughput * radiance * weight, state.is_direct());
-        self.add_contribution(state.batch_index, contribution);
-        self.recorder.record(|| PathEvent::Emission {
-            source,
-            radiance,
-            pdf: Some(pdfs.chance),
-            rival: Rival::Connection(pdfs.connection),
-            weight,
-            contribution,
-        });
-    }
-
-    /// Returns true if light samples at the previous vertex were exact.
-    fn is_light_exact(&self, prev: Option<&PrevVertex>) -> bool {
-        let spheres = self.context.scene.spheres();
-        let lights = self.context.prepared.lights();
-        prev.is_some_and(|prev| lights.is_exact(spheres, &prev.light_sample_context(spheres)))
     }
 }

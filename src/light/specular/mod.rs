@@ -65,6 +65,7 @@ mod casters;
 mod connection;
 mod deflection;
 mod emitter_view;
+mod few_pairs;
 mod focusing;
 mod pair;
 mod pair_trees;

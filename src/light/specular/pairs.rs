@@ -13,10 +13,8 @@ use crate::math::DVec3;
 
 use super::super::context::LightSampleContext;
 use super::super::emitter::Emitter;
-use super::super::light_bounds::{LightBounds, LightItem};
 use super::casters::{Caster, CasterSurface, Casters};
 use super::emitter_view::EmitterView;
-use super::focusing::focusing;
 use super::pair::{CasterPair, ConnectedEmitter, ConnectedLight, EmitterPlace};
 use super::pair_trees::PairTrees;
 use super::path_kind::SpecularPath;
@@ -25,9 +23,7 @@ use super::worth::{PairWorth, is_accepted};
 /// Up to this many pairs are all tried.
 pub const MAX_PAIRS: usize = 8;
 /// Up to this many pairs are evaluated one by one.
-const MAX_FEW: usize = 64;
-/// Fraction of choices split evenly among the pairs above the horizon.
-const UNIFORM_FRACTION: f64 = 0.1;
+pub(super) const MAX_FEW: usize = 64;
 
 /// The pairs to connect at one shading point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,9 +35,9 @@ pub struct CasterPairs {
 #[derive(Debug)]
 pub struct PairSampler {
     casters: Casters,
-    emitters: Vec<ConnectedEmitter>,
+    pub(super) emitters: Vec<ConnectedEmitter>,
     /// Direction and irradiance of the sun.
-    sun: Option<(DVec3, f64)>,
+    pub(super) sun: Option<(DVec3, f64)>,
     sun_solid_angle: f64,
     is_certain: bool,
     /// Of each pair, if all are tried.
@@ -188,7 +184,10 @@ impl PairSampler {
     }
 
     /// All pairs in order, or those of one ball.
-    fn pairs(&self, inside: Option<u32>) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
+    pub(super) fn pairs(
+        &self,
+        inside: Option<u32>,
+    ) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
         let casters = match inside {
             Some(caster) => caster..caster + 1,
             None => 0..self.casters.all().len() as u32,
@@ -273,96 +272,15 @@ impl PairSampler {
         match &self.trees {
             _ if !self.needs_choice() => 1.0,
             Some(trees) => trees.pmf(ctx, inside, (caster, light)),
-            None => {
-                let (importance, count, total) = self.few(ctx, inside);
-                probability(importance[self.index_of(caster, light)], count, total)
-            }
+            None => self.few_pmf(ctx, inside, (caster, light)),
         }
     }
 
-    fn index_of(&self, caster: u32, light: ConnectedLight) -> usize {
+    pub(super) fn index_of(&self, caster: u32, light: ConnectedLight) -> usize {
         let in_lights = match light {
             ConnectedLight::Emitter(index) => index as usize,
             ConnectedLight::Sun => self.emitters.len(),
         };
         (caster as usize).saturating_mul(self.light_count()).saturating_add(in_lights)
     }
-
-    /// The importance of each pair, the number of those above 0, and their sum.
-    fn few(&self, ctx: &LightSampleContext, inside: Option<u32>) -> ([f64; MAX_FEW], f64, f64) {
-        let mut all = [0.0; MAX_FEW];
-        let (mut count, mut total) = (0.0, 0.0);
-        for (caster, light) in self.pairs(inside) {
-            let importance = self.importance(ctx, inside, caster, light);
-            all[self.index_of(caster, light)] = importance;
-            total += importance;
-            count += f64::from(u8::from(importance > 0.0));
-        }
-        (all, count, total)
-    }
-
-    fn sample_few(
-        &self,
-        ctx: &LightSampleContext,
-        inside: Option<u32>,
-        mut u: f64,
-    ) -> Option<CasterPair> {
-        let (importance, count, total) = self.few(ctx, inside);
-        let mut last = None;
-        for (caster, light) in self.pairs(inside) {
-            let pmf = probability(importance[self.index_of(caster, light)], count, total);
-            if pmf > 0.0 {
-                last = Some(CasterPair { n: 0, caster, light, pmf });
-                if u < pmf {
-                    break;
-                }
-                u -= pmf;
-            }
-        }
-        last
-    }
-
-    /// The irradiance at a shading point by way of a ball, roughly: a mirror ball of radius r lit
-    /// by E spreads `rho E pi r^2` evenly over all directions.
-    fn importance(
-        &self,
-        ctx: &LightSampleContext,
-        inside: Option<u32>,
-        caster: u32,
-        light: ConnectedLight,
-    ) -> f64 {
-        if self.kinds(caster, inside.is_some(), light).is_empty() {
-            return 0.0;
-        }
-        let Caster { ball, surface, .. } = self.casters.all()[caster as usize];
-        let (irradiance, towards) = self.irradiance(ball.center, light);
-        if inside.is_some() {
-            return irradiance;
-        }
-        let item = LightItem { sphere: ball, power: 1.0, emitter_index: 0 };
-        let falloff = LightBounds::enclosing(ball.center, &[item]).importance(ctx);
-        let quarter_square = 0.25 * ball.radius * ball.radius;
-        let share = match surface {
-            CasterSurface::Opaque(reflectance) => reflectance,
-            CasterSurface::Dielectric(ior) => {
-                focusing((ctx.hit.point - ball.center) / ball.radius, towards, ior)
-            }
-        };
-        irradiance * falloff * quarter_square * share
-    }
-
-    /// Irradiance from a light at a point, and the unit direction to the light.
-    fn irradiance(&self, point: DVec3, light: ConnectedLight) -> (f64, DVec3) {
-        match light {
-            ConnectedLight::Emitter(index) => self.emitters[index as usize].irradiance(point),
-            ConnectedLight::Sun => self.sun.map_or((0.0, DVec3::Z), |(to, e)| (e, to)),
-        }
-    }
-}
-
-fn probability(importance: f64, count: f64, total: f64) -> f64 {
-    if importance <= 0.0 {
-        return 0.0;
-    }
-    UNIFORM_FRACTION / count + (1.0 - UNIFORM_FRACTION) * importance / total
 }

@@ -45,6 +45,9 @@ static ESTIMATORS: [NamedOverrides; 9] = [
 /// Estimators for direct light only, as a range of [`ESTIMATORS`].
 const DIRECT: std::ops::Range<usize> = 3..6;
 
+/// Estimators that find a caustic by light sampling alone, of [`ESTIMATORS`].
+const AIMED: [usize; 2] = [1, 4];
+
 /// Estimators that connect, of [`ESTIMATORS`].
 const CONNECTED: [usize; 4] = [0, 1, 3, 4];
 
@@ -103,6 +106,7 @@ fn estimators(form: &ClosedForm) -> impl Iterator<Item = &'static NamedOverrides
     let is_applicable = move |(index, _): &(usize, &NamedOverrides)| match transport {
         LightTransport::Global => !DIRECT.contains(index),
         LightTransport::Direct => true,
+        LightTransport::Caustic => !AIMED.contains(index),
         LightTransport::Connected => CONNECTED.contains(index),
         LightTransport::Integrator(_) => false,
     };

@@ -13,7 +13,7 @@ use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
 use super::super::next_event::{LightFactors, Scattering};
 use super::super::paths::{PathState, ShadowQueue, StageQueues};
-use super::super::shade::{SurfaceVertex, VertexNumbers};
+use super::super::vertex::{SurfaceVertex, VertexNumbers};
 use super::arrive::Arrival;
 use super::light::sample_light_in_lane;
 use super::vertex_batch::{Vertex, VertexBatch};

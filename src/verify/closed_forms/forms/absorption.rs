@@ -5,6 +5,7 @@ use crate::scene::description::SurfaceModel;
 use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
 use crate::verify::quadrature::integral;
 
+use super::refraction::fresnel;
 use super::{albedo, background_radiance, emission, material};
 
 /// Sums the series of internal reflections in one ball. All chords of a path have equal length.
@@ -49,11 +50,4 @@ pub(super) fn fog(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
         };
         Some((0, a * le * irradiance * libm::exp(-k * (t - entry))))
     })
-}
-
-/// Fresnel reflectance for unpolarised light, given the cosines outside and inside.
-fn fresnel(cos: f64, cos_inside: f64, n: f64) -> f64 {
-    let perpendicular = (cos - n * cos_inside) / (cos + n * cos_inside);
-    let parallel = (n * cos - cos_inside) / (n * cos + cos_inside);
-    (perpendicular * perpendicular + parallel * parallel) / 2.0
 }

@@ -11,6 +11,7 @@ use crate::verify::closed_forms::reference_image::{
 };
 use crate::verify::quadrature::gauss_legendre;
 
+use super::refraction::cross;
 use super::{albedo, emission, material};
 
 /// Steps of a bisection, to the last bit.
@@ -110,16 +111,8 @@ pub(super) fn out_of_glass(prepared: &PreparedScene, nodes: usize) -> Vec<Option
         _ => 1.0,
     };
     let follow = |ray: ReferenceRay| {
-        let at = ray.at(ray.hit_distance(&glass)?);
-        let normal = normal(&glass, at);
-        let cos = -ray.direction.dot(normal);
-        let cos_inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
-        let along = ray.direction / n + normal * (cos / n - cos_inside);
-        let inside = ReferenceRay { origin: at, direction: along.normalize() };
-        let perpendicular = (cos - n * cos_inside) / (cos + n * cos_inside);
-        let parallel = (n * cos - cos_inside) / (n * cos + cos_inside);
-        let lost = (perpendicular * perpendicular + parallel * parallel) / 2.0;
-        Some((inside, (1.0 - lost) / (n * n)))
+        let (inside, share) = cross(ray, &glass, n)?;
+        Some((inside, share / (n * n)))
     };
     radiance(prepared, nodes, &follow, [ball, glass, lamp], |_, _| 0.0)
 }

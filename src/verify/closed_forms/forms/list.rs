@@ -1,10 +1,10 @@
 //! The table of closed forms.
 
-use super::LightTransport::{Connected, Direct, Global, Integrator};
+use super::LightTransport::{Caustic, Connected, Direct, Global, Integrator};
 use super::{ClosedForm, DISTINCT_CHANNELS, GREY};
 use super::{
     absorption, cameras, caustics, direct_light, exchange, first_hits, glass, many_lights, mirrors,
-    uniform, visibility,
+    on_axis, uniform, visibility,
 };
 
 /// A grey closed form: name (also of its scene), title, formula, light transport, samples per pixel
@@ -163,6 +163,22 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         Connected,
         16,
         caustics::out_of_glass
+    ),
+    form!(
+        "lamp-through-glass",
+        "a wide emitter behind a glass ball",
+        "L = a Le ∫ (1 - F)² d(sin²θ)",
+        Caustic,
+        64,
+        on_axis::through_glass
+    ),
+    form!(
+        "lamp-seen-from-glass",
+        "a wide emitter, from inside a glass ball",
+        "L = a Le n² ∫ (1 - F) d(sin²θ)",
+        Direct,
+        64,
+        on_axis::from_glass
     ),
     form!(
         "absorption",

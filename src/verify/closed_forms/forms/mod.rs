@@ -11,6 +11,8 @@ mod glass;
 mod list;
 mod many_lights;
 mod mirrors;
+mod on_axis;
+mod refraction;
 mod uniform;
 mod visibility;
 
@@ -50,6 +52,9 @@ pub enum LightTransport {
     Global,
     /// Light scattered at most once, not counting mirrors and glass.
     Direct,
+    /// As [`Self::Direct`], at a point on a caustic: light sampling alone has no bounded variance
+    /// there.
+    Caustic,
     /// As [`Self::Direct`], by techniques that find small emitters over polished balls.
     Connected,
     /// No light transport: the output of the integrator that the scene names.
