@@ -70,12 +70,12 @@ licenses_of_others() {
         echo "$name: $license"
         for file in "$folder"/{LICEN[CS]E,COPYING,COPYRIGHT,NOTICE,license}*; do
             [[ -f $file ]] || continue
-            sum=$(sha256sum <"$file")
+            sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
             crates[$sum]+=" $name" files[$sum]=$file
         done
     done < <("$cargo" tree --locked --edges normal --prefix none --no-dedupe --no-default-features \
         --features cli --format '{p}|{l}' | grep -v '^photosphere ' | sed 's/ (proc-macro)//' | sort -u)
-    for sum in "${!files[@]}"; do
+    for sum in $(printf '%s\n' "${!files[@]}" | sort); do
         printf '\n==== %s:%s\n\n' "$(basename "${files[$sum]}")" "${crates[$sum]}"
         cat "${files[$sum]}"
     done
