@@ -225,7 +225,8 @@ make_deb_in_root() {
 
 make_crate() {
     local crate=target/package/photosphere-$version.crate
-    "$cargo" package --locked
+    # With the folder named, the build of the crate shares the dependencies that are there.
+    "$cargo" package --locked --target-dir target
     cp "$crate" "$packages/"
     ls -l "$packages/photosphere-$version.crate"
     (($(stat -c %s "$crate") < largest_crate)) || complain "the crate has $largest_crate bytes or more"
