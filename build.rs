@@ -221,6 +221,6 @@ mod embree {
         let file = Path::new(&out).join("shim.rs");
         bindings
             .write_to_file(&file)
-            .map_err(|error| format!("cannot write {}: {error}", file.display()).into())
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))
     }
 }
