@@ -1,5 +1,5 @@
-//! `photosphere doctor`: reports what this build and machine support, what they would gain, and how to
-//! get what is missing.
+//! `photosphere doctor`: reports what this build and machine support, what they would gain, and how
+//! to get what is missing.
 
 use std::path::PathBuf;
 use std::sync::Arc;
