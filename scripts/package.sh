@@ -7,7 +7,7 @@
 #                                          SUITE (bookworm, trixie) in a fresh root of that Debian, by
 #                                          this machine's Rust, since Debian's is older than AVX-512
 #   scripts/package.sh crate               the crate, and a build of what is in it
-#   scripts/package.sh check PROGRAM       whether PROGRAM, stripped, is small and needs an old glibc alone
+#   scripts/package.sh check PROGRAM       whether PROGRAM needs an old glibc alone
 #   scripts/package.sh install PROGRAM PREFIX
 #                                          PROGRAM, its manual and completions below PREFIX
 #
@@ -21,7 +21,7 @@ cd "$repository"
 
 packages=target/packages
 version=$(sed -n '0,/^version = /s/^version = "\(.*\)"/\1/p' Cargo.toml)
-newest_glibc=2.28 largest_program=10000000 largest_crate=5000000
+newest_glibc=2.28 largest_tarball=10000000 largest_crate=5000000
 
 complain() {
     echo "scripts/package.sh: $*" >&2
@@ -103,9 +103,17 @@ split_symbols() {
     objcopy --strip-all --add-gnu-debuglink="$2" "$1"
 }
 
+# Prints the size of the file $1, and fails if it has $2 bytes or more.
+check_size() {
+    local size
+    size=$(stat -c %s "$1")
+    echo "$1: $size bytes"
+    ((size < $2)) || complain "$1 has $2 bytes or more"
+}
+
 # ---- Without Embree, for every Linux ----
 
-# Fails if the program $1 needs a library besides glibc, or a newer glibc, or is large.
+# Fails if the program $1 needs a library besides glibc, or a newer glibc.
 check_portable() {
     local needed glibc size
     needed=$(readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p')
@@ -117,7 +125,6 @@ check_portable() {
         complain "the program needs more than glibc"
     [[ $(printf 'GLIBC_%s\n' "$newest_glibc" "${glibc#GLIBC_}" | sort -V | tail -n 1) == "GLIBC_$newest_glibc" ]] ||
         complain "the program needs $glibc, newer than $newest_glibc"
-    ((size < largest_program)) || complain "the program has $largest_program bytes or more"
 }
 
 check_stripped() {
@@ -145,7 +152,7 @@ make_tarball() {
         gzip -9n >"$folder.tar.gz"
     notes >"$packages/NOTES.md"
     [[ -s $packages/NOTES.md ]] || complain "CHANGELOG.md says nothing about $version"
-    ls -l "$folder.tar.gz"
+    check_size "$folder.tar.gz" "$largest_tarball"
 }
 
 # ---- For a Debian, with its Embree ----
@@ -228,8 +235,7 @@ make_crate() {
     # With the folder named, the build of the crate shares the dependencies that are there.
     "$cargo" package --locked --target-dir target
     cp "$crate" "$packages/"
-    ls -l "$packages/photosphere-$version.crate"
-    (($(stat -c %s "$crate") < largest_crate)) || complain "the crate has $largest_crate bytes or more"
+    check_size "$packages/photosphere-$version.crate" "$largest_crate"
 }
 
 mkdir -p "$packages"
