@@ -172,6 +172,8 @@ make_deb() {
     readelf -d "$packages/photosphere" | grep -q 'NEEDED.*libembree' ||
         complain "the program was built without Embree"
     install_program "$packages/photosphere" "$stage/usr"
+    # Where Debian's zsh looks.
+    mv "$stage"/usr/share/zsh/{site-functions,vendor-completions}
     control "$packages/photosphere" "$stage" "1~$release" >"$stage/DEBIAN/control"
     rm "$packages/photosphere"
     cp LICENSE-MIT "$stage/usr/share/doc/photosphere/copyright"
