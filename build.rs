@@ -2,7 +2,9 @@
 //! to Embree: finds it, compiles `ffi/shim.c`, binds `ffi/shim.h`, and links.
 //!
 //! `EMBREE_DIR` (with `include` and `lib` or `lib64`) is tried first and alone, then the system;
-//! Embree 4 before 3. Without the feature `embree` there is nothing to do.
+//! Embree 4 before 3. A system without Embree or libclang gets a build without the intersectors of
+//! Embree, and a warning that says so; what is there and does not work is an error. Without the
+//! feature `embree` there is nothing to do.
 
 #![allow(clippy::print_stdout, reason = "that is how a build script speaks to cargo")]
 
@@ -23,10 +25,11 @@ fn main() {
     }
     let commit = commit().unwrap_or_else(|| "unknown".to_owned());
     println!("cargo::rustc-env=PHOTOSPHERE_COMMIT={commit}");
+    println!("cargo::rustc-check-cfg=cfg(has_embree)");
     #[cfg(feature = "embree")]
-    if let Err(message) = embree::build() {
-        let lines = message.lines().chain(embree::ADVICE.lines());
-        lines.for_each(|line| println!("cargo::error={line}"));
+    match embree::build() {
+        Ok(()) => println!("cargo::rustc-cfg=has_embree"),
+        Err(failure) => failure.report(),
     }
 }
 
@@ -59,12 +62,39 @@ mod embree {
     use std::path::{Path, PathBuf};
 
     /// Follows every message.
-    pub(super) const ADVICE: &str = "\
+    const ADVICE: &str = "\
         Debian, Ubuntu: apt-get install build-essential libembree-dev libclang-dev\n\
-        Elsewhere: a C compiler, libclang, and Embree 3.13 or 4; EMBREE_DIR may name its folder.\n\
-        Or build with --no-default-features --features cli: the native intersector needs none of these.";
+        Elsewhere: a C compiler, libclang, and Embree 3.13 or 4; EMBREE_DIR may name its folder.";
 
-    type Result<T> = std::result::Result<T, String>;
+    /// Why there is no Embree in this build.
+    pub(super) enum Failure {
+        /// What the system lacks.
+        Missing(String),
+        /// What is there, or was asked for, and does not work.
+        Broken(String),
+    }
+
+    impl Failure {
+        pub(super) fn report(&self) {
+            let (kind, message, end) = match self {
+                Self::Missing(message) => (
+                    "warning",
+                    format!("Built without Embree: {message} The intersector `native` needs none."),
+                    "Then touch build.rs and build again.",
+                ),
+                Self::Broken(message) => (
+                    "error",
+                    message.clone(),
+                    "Or build with --no-default-features --features cli, without Embree.",
+                ),
+            };
+            for line in message.lines().chain(ADVICE.lines()).chain([end]) {
+                println!("cargo::{kind}={line}");
+            }
+        }
+    }
+
+    type Result<T, E = String> = std::result::Result<T, E>;
 
     /// Where Embree is, and which.
     struct Embree {
@@ -73,14 +103,15 @@ mod embree {
         folders: Option<(PathBuf, PathBuf)>,
     }
 
-    pub(super) fn build() -> Result<()> {
+    pub(super) fn build() -> Result<(), Failure> {
         println!("cargo::rerun-if-env-changed=EMBREE_DIR");
-        let embree = match env::var_os("EMBREE_DIR") {
-            Some(folder) => Embree::in_folder(Path::new(&folder))?,
-            None => Embree::of_the_system()?,
+        let folder = env::var_os("EMBREE_DIR");
+        let (found, failure): (_, fn(String) -> Failure) = match &folder {
+            Some(folder) => (Embree::in_folder(Path::new(folder)), Failure::Broken),
+            None => (Embree::of_the_system(), Failure::Missing),
         };
-        bind()?;
-        embree.compile()?;
+        let embree = found.and_then(|embree| find_libclang().map(|()| embree)).map_err(failure)?;
+        bind().and_then(|()| embree.compile()).map_err(Failure::Broken)?;
         embree.link();
         Ok(())
     }
@@ -166,14 +197,16 @@ mod embree {
             .any(|name| name.starts_with(&format!("embree{major}.")))
     }
 
-    fn bind() -> Result<()> {
+    fn find_libclang() -> Result<()> {
         // bindgen panics where there is no libclang; nobody should have to read that.
         let hook = panic::take_hook();
         panic::set_hook(Box::new(|_| {}));
         let clang = panic::catch_unwind(bindgen::clang_version);
         panic::set_hook(hook);
-        clang.map_err(|_| "libclang is not installed.")?;
+        clang.map(drop).map_err(|_| "libclang is not installed.".to_owned())
+    }
 
+    fn bind() -> Result<()> {
         let rust = bindgen::RustTarget::stable(85, 0).map_err(|error| error.to_string())?;
         let bindings = bindgen::builder()
             .header("ffi/shim.h")

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::names::named_enum;
 
-#[cfg(feature = "embree")]
+#[cfg(has_embree)]
 use super::embree;
 use super::info::EmbreeInfo;
 use super::intersector::Accel;
@@ -38,7 +38,7 @@ named_enum! {
 
 impl Backend {
     /// Every backend in this build, the default first.
-    pub const AVAILABLE: &[Self] = if cfg!(feature = "embree") {
+    pub const AVAILABLE: &[Self] = if cfg!(has_embree) {
         &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce]
     } else {
         &[Self::Native, Self::BruteForce]
@@ -60,20 +60,20 @@ impl Backend {
         options.cancel.check()?;
         match self {
             Self::Native => Ok(Box::new(native::NativeAccel::new(Arc::clone(spheres), options)?)),
-            #[cfg(feature = "embree")]
+            #[cfg(has_embree)]
             Self::Embree => Ok(Box::new(embree::Embree::build(
                 spheres,
                 embree::ParticleGeometry::Points,
                 options,
             )?)),
-            #[cfg(feature = "embree")]
+            #[cfg(has_embree)]
             Self::EmbreeUser => Ok(Box::new(embree::Embree::build(
                 spheres,
                 embree::ParticleGeometry::User,
                 options,
             )?)),
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
-            #[cfg(not(feature = "embree"))]
+            #[cfg(not(has_embree))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
                     .with_help("build with the default features, or choose another intersector")
@@ -102,8 +102,8 @@ impl FromStr for Backend {
 /// # Errors
 /// When Embree cannot start.
 pub fn embree_info() -> Option<Result<EmbreeInfo>> {
-    #[cfg(feature = "embree")]
+    #[cfg(has_embree)]
     return Some(embree::info());
-    #[cfg(not(feature = "embree"))]
+    #[cfg(not(has_embree))]
     None
 }

@@ -113,8 +113,7 @@ mod tests {
             Backend::Native
         );
         assert_eq!(backend(1_000_000, KernelIsa::Avx512), Backend::Native);
-        let without_vectors =
-            if cfg!(feature = "embree") { Backend::Embree } else { Backend::Native };
+        let without_vectors = if cfg!(has_embree) { Backend::Embree } else { Backend::Native };
         assert_eq!(backend(1_000_000, KernelIsa::Portable), without_vectors);
     }
 

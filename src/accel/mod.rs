@@ -4,7 +4,7 @@
 mod backend;
 mod backend_choice;
 mod brute_force;
-#[cfg(feature = "embree")]
+#[cfg(has_embree)]
 #[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
 mod info;

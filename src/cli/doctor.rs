@@ -1,6 +1,7 @@
-//! `photosphere doctor`: reports what this build and machine support, and how to get what is
-//! missing.
+//! `photosphere doctor`: reports what this build and machine support, what they would gain, and how
+//! to get what is missing.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::accel::{
@@ -15,12 +16,43 @@ use super::exit::Exit;
 use super::{print, system};
 
 /// Printed if the build lacks Embree.
-const HOW_TO_GET_EMBREE: [&str; 5] = [
+const HOW_TO_GET_EMBREE: [&str; 6] = [
+    "it adds --accel embree and embree-user, to compare with `native`, which is faster",
     "to get it, install its headers and libclang, then build again:",
     "  Debian, Ubuntu:  sudo apt-get install libembree-dev libclang-dev",
     "  elsewhere:       the package of Embree 3 or 4, or set EMBREE_DIR to its folder",
-    "  then:            cargo build --release",
-    "the intersector `native` works without Embree",
+    "  then:            touch build.rs && cargo build --release",
+    "the .deb packages for Debian 12 and 13 have it",
+];
+
+/// A program that photosphere works with and does without.
+struct Companion {
+    name: &'static str,
+    /// The name of its executable file.
+    program: &'static str,
+    gain: &'static str,
+    how_to_get: &'static str,
+}
+
+const COMPANIONS: [Companion; 3] = [
+    Companion {
+        name: "oidn",
+        program: "oidnDenoise",
+        gain: "denoises a picture.pfm; photosphere itself has no denoiser",
+        how_to_get: "install Open Image Denoise",
+    },
+    Companion {
+        name: "ffmpeg",
+        program: "ffmpeg",
+        gain: "makes a video: ffmpeg -pattern_type glob -i 'pictures/*.png' video.mp4",
+        how_to_get: "Debian, Ubuntu: sudo apt-get install ffmpeg",
+    },
+    Companion {
+        name: "python",
+        program: "python3",
+        gain: "for the package `photosphere` (3.11 or later), which has this program in it",
+        how_to_get: "Debian, Ubuntu: sudo apt-get install python3-venv",
+    },
 ];
 
 /// Runs the command.
@@ -37,6 +69,7 @@ pub(super) fn run() -> Result<Exit> {
         report.backend(*backend);
     }
     report.choice();
+    COMPANIONS.iter().for_each(|companion| report.companion(companion));
     print::result(&report.text)?;
     Ok(if report.healthy { Exit::Done } else { Exit::Backend })
 }
@@ -113,6 +146,14 @@ impl Report {
         }
     }
 
+    fn companion(&mut self, companion: &Companion) {
+        match find_program(companion.program) {
+            Some(path) => self.row(companion.name, path.display()),
+            None => self.row(companion.name, format!("not found; {}", companion.how_to_get)),
+        }
+        self.row("", companion.gain);
+    }
+
     fn broken(&mut self, name: &str, error: &Error) {
         self.healthy = false;
         self.wide_row(name, format!("BROKEN: {error}"));
@@ -120,6 +161,12 @@ impl Report {
             self.wide_row("", help);
         }
     }
+}
+
+/// Returns the first file of this name in the folders of PATH.
+fn find_program(name: &str) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
 /// Builds the intersector over two spheres, and checks the front hit of one from outside and its

@@ -32,7 +32,7 @@ pub struct SphereSet {
 }
 
 /// Spheres as a [`SphereSet`] stores them.
-#[cfg(feature = "embree")]
+#[cfg(has_embree)]
 pub(crate) struct RawRows<'a> {
     /// Particles in f32; a negative radius marks one that is in `f64`, at the index given by the
     /// bits of x. `None` if all are in `f64`.
@@ -127,7 +127,7 @@ impl SphereSet {
     }
 
     /// Returns all spheres as stored, in the user's coordinates.
-    #[cfg(feature = "embree")]
+    #[cfg(has_embree)]
     pub(crate) fn raw_rows(&self) -> RawRows<'_> {
         match &self.spheres {
             SphereStorage::F32 { rows, wide } => {

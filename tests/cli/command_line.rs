@@ -51,7 +51,7 @@ fn values_that_the_scene_refuses_are_shown_in_the_option() {
     assert_eq!(desk.names(), ["scene.toml"]);
 }
 
-#[cfg(not(feature = "embree"))]
+#[cfg(not(has_embree))]
 #[test]
 fn embree_is_missed_with_advice() {
     let parts = &["error: this build has no `embree` intersector", "help: "];

@@ -187,10 +187,57 @@ fn threads_that_the_system_denies_are_an_error_or_a_warning() {
     // With one thread nothing works, with 40 all does. In between, threads that are ending count.
     assert!(codes.iter().all(|code| matches!(code, Some(0 | 3))), "{codes:?}");
     assert_eq!((codes[0], codes[13]), (Some(3), Some(0)), "{codes:?}");
-    if cfg!(feature = "embree") {
+    if cfg!(has_embree) {
         // There is room for the render's threads, but not for as many of Embree's.
         let embree = "render scene.toml -o b.png --threads 16 --accel embree";
         with_few_threads(&desk, 26, embree).fails(3, &["error: cannot start ", "help: "]);
+    }
+}
+
+/// Runs the program where its control group has this quota of processor time: $1 is the version of
+/// control groups, and the rest is the program.
+#[cfg(target_os = "linux")]
+const WITH_ONE_CORE: &str = "
+    set -e
+    groups=/sys/fs/cgroup
+    mount -t tmpfs none $groups
+    case $1 in
+    1)  mkdir -p $groups/cpu/job
+        echo 100000 >$groups/cpu/job/cpu.cfs_quota_us
+        echo 100000 >$groups/cpu/job/cpu.cfs_period_us
+        echo 3:cpu:/job >$groups/own ;;
+    2)  mkdir $groups/job
+        echo 100000 100000 >$groups/job/cpu.max
+        echo cpu | tee $groups/cgroup.controllers >$groups/job/cgroup.controllers
+        echo 0::/job >$groups/own ;;
+    esac
+    mount --bind $groups/own /proc/$$/cgroup
+    shift
+    exec \"$@\"";
+
+/// Containers and batch systems limit processor time by control groups, of version 1 or 2.
+#[cfg(target_os = "linux")]
+#[test]
+fn there_are_no_more_threads_than_a_control_group_has_processor_time_for() {
+    use std::io::{self, Write};
+    let desk = Desk::new(SCENE);
+    let unshared = |version: &str| {
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "sh", "-c", WITH_ONE_CORE, "sh", version]);
+        command.current_dir(desk.path());
+        command
+    };
+    if !unshared("1").arg("true").output().is_ok_and(|done| done.status.success()) {
+        writeln!(io::stderr(), "SKIPPED: a control group's quota needs root and unshare")
+            .expect("told");
+        return;
+    }
+    for version in ["1", "2"] {
+        let doctor = outcome(unshared(version).args([PROGRAM, "doctor"])).succeeds();
+        assert_eq!(doctor.row("threads"), "1", "{}", doctor.stdout);
+        let render = "render scene.toml -o a.png --json";
+        let render = outcome(unshared(version).arg(PROGRAM).args(render.split(' '))).succeeds();
+        assert_eq!(render.json()["threads"], 1, "version {version}: {}", render.stdout);
     }
 }
 

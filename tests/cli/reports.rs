@@ -93,7 +93,10 @@ fn doctor_finds_this_build_healthy() {
     for part in ["photosphere ", "threads ", "embree ", "--accel native ", "works\n"] {
         assert!(text.contains(part), "{text}");
     }
-    if cfg!(not(feature = "embree")) {
+    for name in ["oidn", "ffmpeg", "python"] {
+        assert!(text.lines().any(|line| line.starts_with(name)), "{name}: {text}");
+    }
+    if cfg!(not(has_embree)) {
         assert!(text.contains("apt-get install libembree-dev libclang-dev"), "{text}");
     }
 }

@@ -2,10 +2,10 @@
 
 mod backends;
 mod differential;
-#[cfg(feature = "embree")]
+#[cfg(has_embree)]
 mod embree;
 mod leaving;
-#[cfg(feature = "embree")]
+#[cfg(has_embree)]
 mod memory;
 mod native;
 mod scenes;
