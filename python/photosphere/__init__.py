@@ -12,7 +12,6 @@ and merges, a `Picture` is arrays. The options of the command line are keywords 
 
 from __future__ import annotations
 
-import os as _os
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
@@ -115,7 +114,3 @@ def __getattr__(name: str) -> _Any:
 def __dir__() -> list[str]:
     """Names for completion, those of materials and the like included."""
     return sorted({*globals(), *__all__})
-
-
-# A forked process has none of the threads of its parent.
-_os.register_at_fork(after_in_child=_core.after_fork)

@@ -22,11 +22,9 @@ use rayon::ThreadPool;
 use serde_json::json;
 
 use crate::picture::Picture;
+use crate::pool::SIGNAL_INTERVAL;
 use crate::scene::{Changes, Scene, overrides, parse};
 use crate::{error, pool};
-
-/// How often a wait looks for signals such as Ctrl-C.
-const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A render, from the reading of its scene to its last sample.
 #[pyclass(frozen, module = "photosphere._core")]
@@ -174,22 +172,20 @@ impl Render {
     }
 
     /// Asks the render to stop soon. Before its first sample, there will be no picture.
-    fn stop(&self) {
+    fn stop(&self) -> PyResult<()> {
+        self.check_process()?;
         let session = self.0.lock().session.clone();
         match session {
             Some(session) => session.stop(),
             None => self.0.cancel.cancel(),
         }
+        Ok(())
     }
 
     /// True while the thread of the render runs.
-    fn is_running(&self) -> bool {
-        self.0.lock().is_running
-    }
-
-    /// True once there may be samples.
-    fn has_session(&self) -> bool {
-        self.0.lock().session.is_some()
+    fn is_running(&self) -> PyResult<bool> {
+        self.check_process()?;
+        Ok(self.0.lock().is_running)
     }
 
     /// Goes on until every pixel has this number of samples.
@@ -221,9 +217,8 @@ impl Render {
     /// The picture so far.
     fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
         let (session, loaded) = self.session(py)?;
-        // What works in parallel is done by threads of the render, never by rayon's global ones: a
-        // forked process has none of them.
-        let picture = || {
+        // Not on the threads of the render, which would finish their samples first.
+        pool::run(py, || {
             if session.film().sample_count() == 0 {
                 return Err(Error::input("the render has no samples yet"));
             }
@@ -231,47 +226,51 @@ impl Render {
             let crop = frame_crop(session.film().frame());
             let layers = session.job().layers.clone();
             Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
-        };
-        let picture = py.detach(|| session.install(picture));
-        picture.map_err(|e| error::raise(py, &e))
+        })
     }
 
     /// Progress, as JSON.
-    fn progress(&self, py: Python<'_>, with_error: bool) -> String {
+    fn progress(&self, py: Python<'_>, with_error: bool) -> PyResult<String> {
+        self.check_process()?;
         let (session, outcome) = {
             let state = self.0.lock();
             let error = state.outcome.as_ref().and_then(|outcome| outcome.error);
             (state.session.clone(), error)
         };
-        let Some(session) = session else { return "null".to_owned() };
-        py.detach(|| {
+        let Some(session) = session else { return Ok("null".to_owned()) };
+        let estimate = match (outcome, with_error) {
+            (Some(error), _) => Some(error),
+            (None, true) => pool::run(py, || Ok(session.estimate_error()))?,
+            (None, false) => None,
+        };
+        Ok(py.detach(|| {
             let progress = session.progress();
-            let estimate = || session.install(|| session.estimate_error());
-            let error = outcome.or_else(|| if with_error { estimate() } else { None });
             let pixels = session.film().frame().pixel_count() as f64;
             json!({
                 "samples": progress.samples_done,
                 "samples_total": progress.samples_total,
                 "spp": progress.samples_done as f64 / pixels,
                 "rate": progress.rate,
-                "error": error,
+                "error": estimate,
                 "left": progress.time_left.map(|left| left.end.as_secs_f64()),
                 "threads": session.threads(),
                 "accel": session.accel_summary(),
             })
             .to_string()
-        })
+        }))
     }
 
     /// Why the render ended, what the user should know, and what was chosen automatically, as JSON.
-    fn report(&self, py: Python<'_>) -> String {
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        self.check_process()?;
         let ended = {
             let state = self.0.lock();
             state.session.clone().filter(|_| !state.is_running)
         };
-        let about_picture = py.detach(|| {
-            ended.map(|session| session.install(|| session.statistics().2)).unwrap_or_default()
-        });
+        let about_picture = match ended {
+            Some(session) => pool::run(py, || Ok(session.statistics().2))?,
+            None => Vec::new(),
+        };
         let state = self.0.lock();
         let reason = state.outcome.as_ref().map(|outcome| match outcome.stop_reason {
             StopReason::Finished => "finished",
@@ -284,21 +283,21 @@ impl Render {
         warnings.extend(about_picture);
         let noise = state.outcome.as_ref().and_then(|outcome| outcome.noise);
         warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
-        json!({
+        let report = json!({
             "reason": reason,
             "warnings": warnings,
             "choices": state.loaded.choices,
             "text": state.loaded.text,
-        })
-        .to_string()
+        });
+        Ok(report.to_string())
     }
 
     /// The samples so far, as the bytes of a checkpoint.
     fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let (session, _) = self.session(py)?;
         let outcome = self.0.lock().outcome.clone();
-        let bytes = py.detach(|| session.install(|| session.checkpoint_bytes(outcome.as_ref())));
-        Ok(PyBytes::new(py, &bytes.map_err(|e| error::raise(py, &e))?))
+        let bytes = pool::run(py, || session.checkpoint_bytes(outcome.as_ref()))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 }
 
@@ -324,11 +323,12 @@ impl Render {
     }
 }
 
-/// A render that nobody can ask any more ends.
+/// A render that nobody can ask any more ends. In a forked process it stays: its threads are not
+/// there, and they may have held its locks.
 impl Drop for Render {
     fn drop(&mut self) {
-        if self.0.process == std::process::id() && self.0.lock().is_running {
-            self.stop();
+        if self.stop().is_err() {
+            std::mem::forget(Arc::clone(&self.0));
         }
     }
 }
@@ -414,9 +414,7 @@ impl Shared {
             Some(checkpoint) => Session::resume(&scene, job, checkpoint, options),
             None => Session::new(&scene, job, options),
         })?;
-        // The thread that saves meanwhile works on rayon's global threads, which a forked process
-        // may lack: there, the samples are saved at the end.
-        if let (Some(file), false) = (&loaded.checkpoint, pool::is_forked()) {
+        if let Some(file) = &loaded.checkpoint {
             session.autosave(file.clone(), loaded.output.save_every)?;
         }
         let mut state = self.lock();
