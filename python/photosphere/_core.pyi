@@ -92,7 +92,9 @@ class Scene:
 @final
 class Render:
     @staticmethod
-    def start(scene: Scene, words: list[str], changes: _Changes) -> Render: ...
+    def start(
+        scene: Scene, words: list[str], changes: _Changes, columns: list[tuple[str, Any]] | None
+    ) -> Render: ...
     @staticmethod
     def resume(
         path: str | os.PathLike[str] | None,
@@ -100,6 +102,7 @@ class Render:
         scene: Scene | None,
         extend_to: int | None,
         threads: int,
+        columns: list[tuple[str, Any]] | None,
     ) -> Render: ...
     def wait(self, seconds: float | None) -> bool: ...
     def check(self) -> None: ...

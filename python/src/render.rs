@@ -12,7 +12,7 @@ use photosphere::job::{
     frame_crop,
 };
 use photosphere::overlay::OverlaySpec;
-use photosphere::scene::Override;
+use photosphere::scene::{ColumnLayers, Override, SceneFile};
 use photosphere::task::CancelToken;
 use photosphere::{Error, Result};
 use pyo3::exceptions::PyRuntimeError;
@@ -24,7 +24,7 @@ use serde_json::json;
 use crate::picture::Picture;
 use crate::pool::SIGNAL_INTERVAL;
 use crate::scene::{Changes, Scene, overrides, parse};
-use crate::{error, pool};
+use crate::{arrays, error, pool};
 
 /// A render, from the reading of its scene to its last sample.
 #[pyclass(frozen, module = "photosphere._core")]
@@ -54,6 +54,8 @@ struct Loaded {
     output: OutputSpec,
     checkpoint: Option<AtomicFile>,
     text: Option<String>,
+    /// Columns of the particles that are layers.
+    columns: Option<Arc<ColumnLayers>>,
     warnings: Vec<String>,
     choices: Vec<(&'static str, String)>,
 }
@@ -71,7 +73,12 @@ struct Start {
     job: Option<Job>,
     /// Where the samples are saved.
     save_to: Option<PathBuf>,
+    /// The columns that are layers, of particles in memory.
+    columns: Option<Numbers>,
 }
+
+/// Columns with their numbers.
+type Numbers = Vec<(String, Vec<f32>)>;
 
 #[pymethods]
 impl Render {
@@ -82,8 +89,11 @@ impl Render {
         scene: Py<Scene>,
         words: Vec<String>,
         changes: Changes,
+        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
     ) -> PyResult<Self> {
         let request = parse(py, &words)?;
+        let columns = wanted_columns(&request, columns)?;
+        let request = until_good(py, request, &scene.get().input)?;
         let save_to = request.checkpoint().map(PathBuf::from);
         let checkpoint = match &save_to {
             Some(path) if path.exists() => {
@@ -98,6 +108,7 @@ impl Render {
             checkpoint,
             job: None,
             save_to,
+            columns,
         };
         spawn(py, start)
     }
@@ -112,6 +123,7 @@ impl Render {
         scene: Option<&Scene>,
         extend_to: Option<u32>,
         threads: usize,
+        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
     ) -> PyResult<Self> {
         let checkpoint = match (&path, bytes) {
             (Some(path), _) => Checkpoint::open(path),
@@ -121,6 +133,7 @@ impl Render {
         let header = checkpoint.header();
         let (request, input) =
             KeywordRender::of_checkpoint(header).map_err(|e| error::raise(py, &e))?;
+        let columns = wanted_columns(&request, columns)?;
         let mut job = Job { threads, ..request.job(header.job.settings) };
         if let Some(samples) = extend_to {
             extend_job(&mut job, samples);
@@ -143,6 +156,7 @@ impl Render {
             checkpoint: Some(checkpoint),
             job: Some(job),
             save_to: path,
+            columns,
         };
         spawn(py, start)
     }
@@ -222,7 +236,11 @@ impl Render {
             if session.film().sample_count() == 0 {
                 return Err(Error::input("the render has no samples yet"));
             }
-            let (picture, metadata) = session.snapshot();
+            let (mut picture, mut metadata) = session.snapshot();
+            if let Some(columns) = &loaded.columns {
+                columns.add_to(&mut picture, session.prepared().scene());
+                metadata.column_layers = columns.names();
+            }
             let crop = frame_crop(session.film().frame());
             let layers = session.job().layers.clone();
             Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
@@ -333,6 +351,56 @@ impl Drop for Render {
     }
 }
 
+/// Gives a render of particles the noise target of the command line, if no option says when to stop.
+fn until_good(
+    py: Python<'_>,
+    request: KeywordRender,
+    input: &SceneInput,
+) -> PyResult<KeywordRender> {
+    match input {
+        SceneInput::Particles { .. } => Ok(request.until_good()),
+        SceneInput::Text { .. } => Ok(request),
+        SceneInput::File(path) => {
+            let path = path.clone();
+            pool::run_interruptible(py, move || {
+                let is_particles = request.is_particle_file(&path);
+                Ok(if is_particles { request.until_good() } else { request })
+            })
+        }
+    }
+}
+
+/// Copies the columns that are wanted as layers.
+fn wanted_columns(
+    request: &KeywordRender,
+    columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
+) -> PyResult<Option<Numbers>> {
+    let wanted = &request.output().columns;
+    let copied = |columns: Vec<(String, Bound<'_, PyAny>)>| {
+        let wanted = columns.into_iter().filter(|(name, _)| wanted.contains(name));
+        wanted.map(|(name, array)| Ok((name, arrays::values(&array)?))).collect()
+    };
+    columns.map(copied).transpose()
+}
+
+/// Finds the columns that are layers: in memory, or else in the particle file of the scene.
+fn column_layers(
+    file: &SceneFile,
+    wanted: &[String],
+    in_memory: Option<Numbers>,
+) -> Result<Option<Arc<ColumnLayers>>> {
+    let Some(numbers) = in_memory.filter(|_| !wanted.is_empty()) else {
+        let from_file = || ColumnLayers::of_scene_file(file, wanted).map(|all| Some(Arc::new(all)));
+        return if wanted.is_empty() { Ok(None) } else { from_file() };
+    };
+    let is_missing = |name: &&String| numbers.iter().all(|(known, _)| known != *name);
+    if let Some(name) = wanted.iter().find(is_missing) {
+        return Err(Error::input(format!("there is no layer `{name}`"))
+            .with_help("a layer is an AOV, or a column of numbers of the particles"));
+    }
+    Ok(Some(Arc::new(ColumnLayers::of_numbers(file, numbers)?)))
+}
+
 fn extend_job(job: &mut Job, samples: u32) {
     job.until = StopCriteria::default();
     job.set_samples_per_pixel(samples);
@@ -388,7 +456,7 @@ impl Shared {
 
     /// Reads the scene and opens the session.
     fn open(&self, start: Start, pool: &ThreadPool) -> Result<()> {
-        let Start { request, changes, opened, checkpoint, job, save_to } = start;
+        let Start { request, changes, opened, checkpoint, job, save_to, columns } = start;
         let keep = save_to.as_deref().map(AtomicFile::new).transpose()?;
         let mut loaded =
             Loaded { output: request.output().clone(), checkpoint: keep, ..Loaded::default() };
@@ -397,6 +465,7 @@ impl Shared {
             self.cancel.check()?;
             request.check_memory(&file)?;
             loaded.overlay = request.overlay(&file);
+            loaded.columns = column_layers(&file, &request.output().columns, columns)?;
             (loaded.text, loaded.warnings, loaded.choices) = (text, notes, choices);
             file.build()
         })?;

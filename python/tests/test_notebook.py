@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import endless
 
 import photosphere as ps
 
@@ -25,12 +26,12 @@ def test_a_render_shows_a_picture_that_gets_better(
         return Handle()
 
     monkeypatch.setattr(display, "display", show)
-    render = scene.start(96, 72, noise="1%", max_spp=8192, quiet=True)
+    render = endless(scene)
     render._ipython_display_()
-    render.wait(timeout=2.5)
+    while len(shown) < 2:
+        render.wait(timeout=0.1)
     render.stop()
     render._ipython_display_()
-    assert len(shown) >= 2
     assert "data:image/png;base64" in shown[-1]["text/html"]
     assert "samples per pixel" in shown[-1]["text/plain"]
     assert render._repr_png_() is not None
