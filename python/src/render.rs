@@ -205,7 +205,7 @@ impl Render {
     /// Goes on until every pixel has this number of samples.
     fn extend_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
         self.check_process()?;
-        py.detach(|| {
+        pool::run(py, || {
             let mut state = self.0.lock();
             if state.is_running {
                 return Err(Error::input("the render is still running")
@@ -222,8 +222,7 @@ impl Render {
             session.extend(job)?;
             (state.is_running, state.outcome) = (true, None);
             Ok(())
-        })
-        .map_err(|e| error::raise(py, &e))?;
+        })?;
         let shared = Arc::clone(&self.0);
         start_thread(move || shared.finish_with(|| shared.run()))
     }
@@ -471,7 +470,7 @@ impl Shared {
         })?;
         self.cancel.check()?;
         let job = job.unwrap_or_else(|| request.job(settings));
-        loaded.warnings.extend(scene_warnings(&scene, &job.settings));
+        loaded.warnings.extend(pool.install(|| scene_warnings(&scene, &job.settings)));
         let recorded =
             || OutputSpec { files: Vec::new(), preview: None, tev: None, ..loaded.output.clone() };
         let options = SessionOptions {
