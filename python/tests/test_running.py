@@ -50,6 +50,7 @@ def test_an_interrupt_ends_reading(tmp_path: Path) -> None:
 
 def test_python_runs_while_it_renders(scene: ps.Scene) -> None:
     render = scene.start(64, 48, spp=20_000)
+    assert render.picture.width == 64, "there are samples"
     waiter = threading.Thread(target=render.wait)
     waiter.start()
     # If the waiter held the GIL, this would come after the last sample.
@@ -87,4 +88,4 @@ def test_an_import_loads_nothing_that_may_not_be_needed() -> None:
     code = "import sys; before = set(sys.modules); import photosphere; print(*sys.modules.keys() - before)"
     line = [sys.executable, "-c", code]
     loaded = subprocess.run(line, capture_output=True, text=True, check=True).stdout.split()
-    assert sorted(loaded) == ["photosphere", "photosphere._core"]
+    assert sorted(loaded) == ["__future__", "photosphere", "photosphere._core"]
