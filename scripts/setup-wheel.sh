@@ -26,7 +26,7 @@ for system in python3 python3.14 python3.13 python3.12 python3.11; do
     is_new_enough "$system" || continue
     echo "Making a Python with ${packages[*]} in $folder"
     "$system" -m venv "$folder" &&
-        "$python" -m pip --quiet --disable-pip-version-check install "${packages[@]}"
+        "$python" -m pip --quiet --disable-pip-version-check install --no-compile "${packages[@]}"
     break
 done
 has_packages && exit 0

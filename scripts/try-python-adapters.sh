@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Tries the adapters of the Python package on the real packages: ASE, MDAnalysis, OVITO, PyVista and
-# GSD. Needs some 400 MB from a package index, and the wheel (`scripts/run wheel`).
+# Tries the Python package with the real packages: the adapters of ASE, MDAnalysis, OVITO, PyVista and
+# GSD, and parts by joblib and Dask. Needs some 400 MB from a package index, and the wheel
+# (`scripts/run wheel`).
 #
 #   scripts/try-python-adapters.sh [FOLDER]     pictures go to FOLDER, target/adapters by default
 set -euo pipefail
@@ -9,10 +10,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=target/adapters-python
 python=$folder/bin/python
 out=$(realpath -m "${1:-target/adapters}")
-packages=(ase MDAnalysis ovito pyvista gsd numpy)
+packages=(ase MDAnalysis ovito pyvista gsd joblib 'dask[distributed]' numpy)
 
 has_packages() {
-    "$python" -c 'import ase, MDAnalysis, ovito, pyvista, gsd' 2>/dev/null
+    "$python" -c 'import ase, MDAnalysis, ovito, pyvista, gsd, joblib, dask.distributed' 2>/dev/null
 }
 
 if ! has_packages; then
@@ -23,3 +24,4 @@ fi
     target/wheels/photosphere-*.whl
 mkdir -p "$out"
 "$python" python/tests/try_adapters.py "$out"
+"$python" python/tests/try_parts.py

@@ -12,110 +12,60 @@ and merges, a `Picture` is arrays. The options of the command line are keywords 
 
 from __future__ import annotations
 
-import os as _os
-from typing import TYPE_CHECKING as _TYPE_CHECKING
-from typing import Any as _Any
-
 from . import _core
-from ._adapters import from_ase, from_gsd, from_mdanalysis, from_ovito, from_pyvista
-from ._errors import Error
-from ._particles import By, Cell, Particles, by, read, spheres
-from ._picture import Legend, Pick, Picture
-from ._render import Part, Render, merge, resume
-from ._scene import Plan, Scene, scene
 
-if _TYPE_CHECKING:
-    from ._objects import (
-        Background,
-        Camera,
-        Conductor,
-        Dielectric,
-        Diffuse,
-        EnvironmentMap,
-        Glass,
-        Gradient,
-        Light,
-        Metal,
-        Mirror,
-        Orthographic,
-        Panoramic,
-        Phong,
-        Plastic,
-        Principled,
-        Sky,
-        Sphere,
-        Spheres,
-        Sun,
-        ThinLens,
-    )
+# An import takes a few milliseconds: each module is loaded when one of its names is used first.
+# Type checkers read the same names in __init__.pyi.
+_NAMES = {
+    "_adapters": ("from_ase", "from_gsd", "from_mdanalysis", "from_ovito", "from_pyvista"),
+    "_errors": ("Error",),
+    "_objects": (
+        "Background",
+        "Camera",
+        "Conductor",
+        "Dielectric",
+        "Diffuse",
+        "EnvironmentMap",
+        "Glass",
+        "Gradient",
+        "Light",
+        "Metal",
+        "Mirror",
+        "Orthographic",
+        "Panoramic",
+        "Phong",
+        "Plastic",
+        "Principled",
+        "Sky",
+        "Sphere",
+        "Spheres",
+        "Sun",
+        "ThinLens",
+    ),
+    "_particles": ("By", "Cell", "Particles", "by", "read", "spheres"),
+    "_picture": ("Legend", "Pick", "Picture"),
+    "_render": ("Part", "Render", "merge", "resume"),
+    "_scene": ("Plan", "Scene", "scene"),
+}
+_MODULE_OF = {name: module for module, names in _NAMES.items() for name in names}
 
-__all__ = [
-    "NONE",
-    "Background",
-    "By",
-    "Camera",
-    "Cell",
-    "Conductor",
-    "Dielectric",
-    "Diffuse",
-    "EnvironmentMap",
-    "Error",
-    "Glass",
-    "Gradient",
-    "Legend",
-    "Light",
-    "Metal",
-    "Mirror",
-    "Orthographic",
-    "Panoramic",
-    "Part",
-    "Particles",
-    "Phong",
-    "Pick",
-    "Picture",
-    "Plan",
-    "Plastic",
-    "Principled",
-    "Render",
-    "Scene",
-    "Sky",
-    "Sphere",
-    "Spheres",
-    "Sun",
-    "ThinLens",
-    "by",
-    "from_ase",
-    "from_gsd",
-    "from_mdanalysis",
-    "from_ovito",
-    "from_pyvista",
-    "merge",
-    "read",
-    "resume",
-    "scene",
-    "spheres",
-]
+__all__ = ["NONE", *_MODULE_OF]
 
 #: The id of no sphere, in the layers `sphere_id` and `material_id`.
 NONE = 4_294_967_295
 
-__version__: str = _core.VERSION
+__version__ = _core.VERSION
 
 
+def __getattr__(name: str) -> object:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import importlib
 
-def __getattr__(name: str) -> _Any:
-    """Materials, cameras and the like, whose module is imported when one of them is used."""
-    if name in __all__:
-        from . import _objects
-
-        return getattr(_objects, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    one = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
+    globals()[name] = one
+    return one
 
 
 def __dir__() -> list[str]:
-    """Names for completion, those of materials and the like included."""
     return sorted({*globals(), *__all__})
-
-
-# A forked process has none of the threads of its parent.
-_os.register_at_fork(after_in_child=_core.after_fork)

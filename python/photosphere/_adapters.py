@@ -129,7 +129,7 @@ def from_pyvista(mesh: Any, **options: Unpack[LookOptions]) -> Scene:
     columns: dict[str, Any] = {}
     for name in mesh.point_data.keys():
         _add(columns, name, np.asarray(mesh.point_data[name]))
-    return _scene(np.asarray(mesh.points), columns, None, None, options, z_up=True)
+    return _scene(np.asarray(mesh.points), columns, None, None, options)
 
 
 def from_gsd(snapshot: Any, **options: Unpack[LookOptions]) -> Scene:
@@ -167,7 +167,7 @@ def from_gsd(snapshot: Any, **options: Unpack[LookOptions]) -> Scene:
 
 
 def _scene(
-    positions: Any, columns: dict[str, Any], cell: Any, unit: Any, options: Any, z_up: bool = True
+    positions: Any, columns: dict[str, Any], cell: Any, unit: Any, options: Any
 ) -> Scene:
     return _particles(positions, columns, cell, unit).scene(**options)
 

@@ -84,6 +84,7 @@ class PartOptions(LookOptions, total=False):
     seed: int | None
     integrator: str | None
     estimator: str | None
+    caustics: str | None
     sampler: str | None
     max_depth: int | None
     crop: tuple[int, int, int, int] | None

@@ -7,6 +7,7 @@ import os
 import re
 import threading
 import warnings
+import weakref
 from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Part", "Render", "merge", "resume"]
 
-#: The process that rendered first. A process that is forked from it cannot render.
-_first_process: int | None = None
+#: Scenes of renders by the paths of their checkpoints: those of arrays are in no file.
+_scenes: weakref.WeakValueDictionary[str, Scene] = weakref.WeakValueDictionary()
 
 #: How long an interrupt waits for the samples that are being rendered, in seconds.
 _PATIENCE = 0.25
@@ -43,9 +44,12 @@ class Render:
 
     @classmethod
     def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
-        _check_process()
         words, changes = split(options)
-        return cls(_core.Render.start(scene._core, words, changes), scene, options)
+        checkpoint = options.get("checkpoint")
+        if checkpoint is not None:
+            _scenes[os.path.abspath(checkpoint)] = scene
+        core = _core.Render.start(scene._core, words, changes, _columns(scene))
+        return cls(core, scene, options)
 
     def wait(self, timeout: float | None = None) -> Render:
         """Waits until the render ends, or for this many seconds.
@@ -191,7 +195,10 @@ class Render:
         return json.loads(self._core.report())
 
     def _line(self) -> str:
-        progress = self._progress(True)
+        try:
+            progress = self._progress(True)
+        except RuntimeError:
+            return "of another process"
         if progress is None:
             return "reading the scene" if self.running else "stopped before the first sample"
         parts = [f"{progress['spp']:.4g} samples per pixel"]
@@ -326,39 +333,33 @@ def resume(
 
     Args:
         checkpoint: The file that the render saved, which is saved further on; or a part.
-        scene: The scene, if it was made of arrays or objects.
+        scene: The scene, if it was made of arrays or objects, unless this process started the
+            render and still has it.
         extend_to: Render until every pixel has this number of samples.
         threads: The number of threads; 0 is one for each core.
 
     Raises:
         Error: The checkpoint is damaged, or the scene has changed.
     """
-    _check_process()
-    core_scene = None if scene is None else scene._core
-    if isinstance(checkpoint, Part):
-        data = bytes(checkpoint)
-        core = _core.Render.resume(None, data, core_scene, extend_to, threads)
-    else:
-        path = os.fspath(checkpoint)
+    data = bytes(checkpoint) if isinstance(checkpoint, Part) else None
+    path = None if isinstance(checkpoint, Part) else os.fspath(checkpoint)
+    if path is not None:
         os.stat(path)
-        core = _core.Render.resume(path, None, core_scene, extend_to, threads)
+        known = _scenes.get(os.path.abspath(path))
+        if scene is None and known is not None and known._path is None:
+            scene = known
+    core_scene = None if scene is None else scene._core
+    core = _core.Render.resume(path, data, core_scene, extend_to, threads, _columns(scene))
     return Render(core, scene, {})
 
 
-def _check_process() -> None:
-    """Refuses to render in a process that is forked from one that has rendered.
-
-    Raises:
-        RuntimeError: The render would wait for threads that are in the other process.
-    """
-    global _first_process
-    if _first_process is None:
-        _first_process = os.getpid()
-    elif _first_process != os.getpid():
-        raise RuntimeError(
-            "this process is forked from one that has rendered: start processes by "
-            'multiprocessing.get_context("spawn"), or fork before the first render'
-        )
+def _columns(scene: Scene | None) -> list[tuple[str, Any]] | None:
+    """The columns of numbers of arrays, which may be layers."""
+    particles = None if scene is None or scene._path is not None else scene._particles
+    if particles is None:
+        return None
+    named = particles._columns.items()
+    return [(name, array) for name, array in named if array.dtype.kind in "fiub"]
 
 
 def _seconds(given: Any) -> float:

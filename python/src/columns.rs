@@ -87,7 +87,7 @@ impl Columns {
         topology: Option<PathBuf>,
     ) -> PyResult<Self> {
         let request = request(py, format, frame, columns, topology)?;
-        let particles = pool::run(py, || read(&path, &request))?;
+        let particles = pool::run_interruptible(py, move || read(&path, &request))?;
         Ok(Self(Mutex::new(Some(particles))))
     }
 
@@ -188,7 +188,7 @@ pub(crate) fn survey(
     count: bool,
 ) -> PyResult<String> {
     let request = request(py, format, frame, None, topology)?;
-    pool::run(py, || {
+    pool::run_interruptible(py, move || {
         let mut survey = survey_file(&path, &request)?;
         if count && survey.frames.is_none() {
             survey.frames = Some(count_frames(&path, &request)?);

@@ -41,7 +41,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(facts::schema, module)?)?;
     module.add_function(wrap_pyfunction!(facts::ticks, module)?)?;
     module.add_function(wrap_pyfunction!(picture::merge, module)?)?;
-    module.add_function(wrap_pyfunction!(pool::after_fork, module)?)?;
     module.add("VERSION", photosphere::job::VERSION)?;
     module.add("COMMIT", photosphere::job::COMMIT)
 }

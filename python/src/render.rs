@@ -12,7 +12,7 @@ use photosphere::job::{
     frame_crop,
 };
 use photosphere::overlay::OverlaySpec;
-use photosphere::scene::Override;
+use photosphere::scene::{ColumnLayers, Override, SceneFile};
 use photosphere::task::CancelToken;
 use photosphere::{Error, Result};
 use pyo3::exceptions::PyRuntimeError;
@@ -22,11 +22,9 @@ use rayon::ThreadPool;
 use serde_json::json;
 
 use crate::picture::Picture;
+use crate::pool::SIGNAL_INTERVAL;
 use crate::scene::{Changes, Scene, overrides, parse};
-use crate::{error, pool};
-
-/// How often a wait looks for signals such as Ctrl-C.
-const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+use crate::{arrays, error, pool};
 
 /// A render, from the reading of its scene to its last sample.
 #[pyclass(frozen, module = "photosphere._core")]
@@ -56,6 +54,8 @@ struct Loaded {
     output: OutputSpec,
     checkpoint: Option<AtomicFile>,
     text: Option<String>,
+    /// Columns of the particles that are layers.
+    columns: Option<Arc<ColumnLayers>>,
     warnings: Vec<String>,
     choices: Vec<(&'static str, String)>,
 }
@@ -73,7 +73,12 @@ struct Start {
     job: Option<Job>,
     /// Where the samples are saved.
     save_to: Option<PathBuf>,
+    /// The columns that are layers, of particles in memory.
+    columns: Option<Numbers>,
 }
+
+/// Columns with their numbers.
+type Numbers = Vec<(String, Vec<f32>)>;
 
 #[pymethods]
 impl Render {
@@ -84,8 +89,11 @@ impl Render {
         scene: Py<Scene>,
         words: Vec<String>,
         changes: Changes,
+        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
     ) -> PyResult<Self> {
         let request = parse(py, &words)?;
+        let columns = wanted_columns(&request, columns)?;
+        let request = until_good(py, request, &scene.get().input)?;
         let save_to = request.checkpoint().map(PathBuf::from);
         let checkpoint = match &save_to {
             Some(path) if path.exists() => {
@@ -100,6 +108,7 @@ impl Render {
             checkpoint,
             job: None,
             save_to,
+            columns,
         };
         spawn(py, start)
     }
@@ -114,6 +123,7 @@ impl Render {
         scene: Option<&Scene>,
         extend_to: Option<u32>,
         threads: usize,
+        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
     ) -> PyResult<Self> {
         let checkpoint = match (&path, bytes) {
             (Some(path), _) => Checkpoint::open(path),
@@ -123,6 +133,7 @@ impl Render {
         let header = checkpoint.header();
         let (request, input) =
             KeywordRender::of_checkpoint(header).map_err(|e| error::raise(py, &e))?;
+        let columns = wanted_columns(&request, columns)?;
         let mut job = Job { threads, ..request.job(header.job.settings) };
         if let Some(samples) = extend_to {
             extend_job(&mut job, samples);
@@ -145,6 +156,7 @@ impl Render {
             checkpoint: Some(checkpoint),
             job: Some(job),
             save_to: path,
+            columns,
         };
         spawn(py, start)
     }
@@ -174,28 +186,26 @@ impl Render {
     }
 
     /// Asks the render to stop soon. Before its first sample, there will be no picture.
-    fn stop(&self) {
+    fn stop(&self) -> PyResult<()> {
+        self.check_process()?;
         let session = self.0.lock().session.clone();
         match session {
             Some(session) => session.stop(),
             None => self.0.cancel.cancel(),
         }
+        Ok(())
     }
 
     /// True while the thread of the render runs.
-    fn is_running(&self) -> bool {
-        self.0.lock().is_running
-    }
-
-    /// True once there may be samples.
-    fn has_session(&self) -> bool {
-        self.0.lock().session.is_some()
+    fn is_running(&self) -> PyResult<bool> {
+        self.check_process()?;
+        Ok(self.0.lock().is_running)
     }
 
     /// Goes on until every pixel has this number of samples.
     fn extend_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
         self.check_process()?;
-        py.detach(|| {
+        pool::run(py, || {
             let mut state = self.0.lock();
             if state.is_running {
                 return Err(Error::input("the render is still running")
@@ -212,8 +222,7 @@ impl Render {
             session.extend(job)?;
             (state.is_running, state.outcome) = (true, None);
             Ok(())
-        })
-        .map_err(|e| error::raise(py, &e))?;
+        })?;
         let shared = Arc::clone(&self.0);
         start_thread(move || shared.finish_with(|| shared.run()))
     }
@@ -221,57 +230,64 @@ impl Render {
     /// The picture so far.
     fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
         let (session, loaded) = self.session(py)?;
-        // What works in parallel is done by threads of the render, never by rayon's global ones: a
-        // forked process has none of them.
-        let picture = || {
+        // Not on the threads of the render, which would finish their samples first.
+        pool::run(py, || {
             if session.film().sample_count() == 0 {
                 return Err(Error::input("the render has no samples yet"));
             }
-            let (picture, metadata) = session.snapshot();
+            let (mut picture, mut metadata) = session.snapshot();
+            if let Some(columns) = &loaded.columns {
+                columns.add_to(&mut picture, session.prepared().scene());
+                metadata.column_layers = columns.names();
+            }
             let crop = frame_crop(session.film().frame());
             let layers = session.job().layers.clone();
             Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
-        };
-        let picture = py.detach(|| session.install(picture));
-        picture.map_err(|e| error::raise(py, &e))
+        })
     }
 
     /// Progress, as JSON.
-    fn progress(&self, py: Python<'_>, with_error: bool) -> String {
+    fn progress(&self, py: Python<'_>, with_error: bool) -> PyResult<String> {
+        self.check_process()?;
         let (session, outcome) = {
             let state = self.0.lock();
             let error = state.outcome.as_ref().and_then(|outcome| outcome.error);
             (state.session.clone(), error)
         };
-        let Some(session) = session else { return "null".to_owned() };
-        py.detach(|| {
+        let Some(session) = session else { return Ok("null".to_owned()) };
+        let estimate = match (outcome, with_error) {
+            (Some(error), _) => Some(error),
+            (None, true) => pool::run(py, || Ok(session.estimate_error()))?,
+            (None, false) => None,
+        };
+        Ok(py.detach(|| {
             let progress = session.progress();
-            let estimate = || session.install(|| session.estimate_error());
-            let error = outcome.or_else(|| if with_error { estimate() } else { None });
             let pixels = session.film().frame().pixel_count() as f64;
             json!({
                 "samples": progress.samples_done,
                 "samples_total": progress.samples_total,
                 "spp": progress.samples_done as f64 / pixels,
                 "rate": progress.rate,
-                "error": error,
+                "error": estimate,
                 "left": progress.time_left.map(|left| left.end.as_secs_f64()),
                 "threads": session.threads(),
                 "accel": session.accel_summary(),
             })
             .to_string()
-        })
+        }))
     }
 
     /// Why the render ended, what the user should know, and what was chosen automatically, as JSON.
-    fn report(&self, py: Python<'_>) -> String {
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        self.check_process()?;
         let ended = {
             let state = self.0.lock();
             state.session.clone().filter(|_| !state.is_running)
         };
-        let about_picture = py.detach(|| {
-            ended.map(|session| session.install(|| session.statistics().2)).unwrap_or_default()
-        });
+        let about_picture = match ended {
+            Some(session) => pool::run(py, || Ok(session.statistics().2))?,
+            None => Vec::new(),
+        };
         let state = self.0.lock();
         let reason = state.outcome.as_ref().map(|outcome| match outcome.stop_reason {
             StopReason::Finished => "finished",
@@ -284,21 +300,21 @@ impl Render {
         warnings.extend(about_picture);
         let noise = state.outcome.as_ref().and_then(|outcome| outcome.noise);
         warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
-        json!({
+        let report = json!({
             "reason": reason,
             "warnings": warnings,
             "choices": state.loaded.choices,
             "text": state.loaded.text,
-        })
-        .to_string()
+        });
+        Ok(report.to_string())
     }
 
     /// The samples so far, as the bytes of a checkpoint.
     fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let (session, _) = self.session(py)?;
         let outcome = self.0.lock().outcome.clone();
-        let bytes = py.detach(|| session.install(|| session.checkpoint_bytes(outcome.as_ref())));
-        Ok(PyBytes::new(py, &bytes.map_err(|e| error::raise(py, &e))?))
+        let bytes = pool::run(py, || session.checkpoint_bytes(outcome.as_ref()))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 }
 
@@ -324,13 +340,64 @@ impl Render {
     }
 }
 
-/// A render that nobody can ask any more ends.
+/// A render that nobody can ask any more ends. In a forked process it stays: its threads are not
+/// there, and they may have held its locks.
 impl Drop for Render {
     fn drop(&mut self) {
-        if self.0.process == std::process::id() && self.0.lock().is_running {
-            self.stop();
+        if self.stop().is_err() {
+            std::mem::forget(Arc::clone(&self.0));
         }
     }
+}
+
+/// Gives a render of particles the noise target of the command line, if no option says when to stop.
+fn until_good(
+    py: Python<'_>,
+    request: KeywordRender,
+    input: &SceneInput,
+) -> PyResult<KeywordRender> {
+    match input {
+        SceneInput::Particles { .. } => Ok(request.until_good()),
+        SceneInput::Text { .. } => Ok(request),
+        SceneInput::File(path) => {
+            let path = path.clone();
+            pool::run_interruptible(py, move || {
+                let is_particles = request.is_particle_file(&path);
+                Ok(if is_particles { request.until_good() } else { request })
+            })
+        }
+    }
+}
+
+/// Copies the columns that are wanted as layers.
+fn wanted_columns(
+    request: &KeywordRender,
+    columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
+) -> PyResult<Option<Numbers>> {
+    let wanted = &request.output().columns;
+    let copied = |columns: Vec<(String, Bound<'_, PyAny>)>| {
+        let wanted = columns.into_iter().filter(|(name, _)| wanted.contains(name));
+        wanted.map(|(name, array)| Ok((name, arrays::values(&array)?))).collect()
+    };
+    columns.map(copied).transpose()
+}
+
+/// Finds the columns that are layers: in memory, or else in the particle file of the scene.
+fn column_layers(
+    file: &SceneFile,
+    wanted: &[String],
+    in_memory: Option<Numbers>,
+) -> Result<Option<Arc<ColumnLayers>>> {
+    let Some(numbers) = in_memory.filter(|_| !wanted.is_empty()) else {
+        let from_file = || ColumnLayers::of_scene_file(file, wanted).map(|all| Some(Arc::new(all)));
+        return if wanted.is_empty() { Ok(None) } else { from_file() };
+    };
+    let is_missing = |name: &&String| numbers.iter().all(|(known, _)| known != *name);
+    if let Some(name) = wanted.iter().find(is_missing) {
+        return Err(Error::input(format!("there is no layer `{name}`"))
+            .with_help("a layer is an AOV, or a column of numbers of the particles"));
+    }
+    Ok(Some(Arc::new(ColumnLayers::of_numbers(file, numbers)?)))
 }
 
 fn extend_job(job: &mut Job, samples: u32) {
@@ -388,7 +455,7 @@ impl Shared {
 
     /// Reads the scene and opens the session.
     fn open(&self, start: Start, pool: &ThreadPool) -> Result<()> {
-        let Start { request, changes, opened, checkpoint, job, save_to } = start;
+        let Start { request, changes, opened, checkpoint, job, save_to, columns } = start;
         let keep = save_to.as_deref().map(AtomicFile::new).transpose()?;
         let mut loaded =
             Loaded { output: request.output().clone(), checkpoint: keep, ..Loaded::default() };
@@ -397,12 +464,13 @@ impl Shared {
             self.cancel.check()?;
             request.check_memory(&file)?;
             loaded.overlay = request.overlay(&file);
+            loaded.columns = column_layers(&file, &request.output().columns, columns)?;
             (loaded.text, loaded.warnings, loaded.choices) = (text, notes, choices);
             file.build()
         })?;
         self.cancel.check()?;
         let job = job.unwrap_or_else(|| request.job(settings));
-        loaded.warnings.extend(scene_warnings(&scene, &job.settings));
+        loaded.warnings.extend(pool.install(|| scene_warnings(&scene, &job.settings)));
         let recorded =
             || OutputSpec { files: Vec::new(), preview: None, tev: None, ..loaded.output.clone() };
         let options = SessionOptions {
@@ -414,9 +482,7 @@ impl Shared {
             Some(checkpoint) => Session::resume(&scene, job, checkpoint, options),
             None => Session::new(&scene, job, options),
         })?;
-        // The thread that saves meanwhile works on rayon's global threads, which a forked process
-        // may lack: there, the samples are saved at the end.
-        if let (Some(file), false) = (&loaded.checkpoint, pool::is_forked()) {
+        if let Some(file) = &loaded.checkpoint {
             session.autosave(file.clone(), loaded.output.save_every)?;
         }
         let mut state = self.lock();

@@ -2,7 +2,7 @@
 //! with the options of that render.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use photosphere::cli::keywords::{KeywordRender, OpenedScene, SceneInput};
 use photosphere::job::{Pick, pick_in_scene};
@@ -106,7 +106,7 @@ impl Scene {
         let path = PathBuf::from(&name);
         let look = request.look(&changes);
         let input = |particles| SceneInput::Particles { name, path, particles };
-        let particles = pool::run(py, || {
+        let particles = pool::run_interruptible(py, move || {
             let (name, path) = ("the arrays".to_owned(), PathBuf::from("arrays.npz"));
             let particles = given;
             let opened = request.open(SceneInput::Particles { name, path, particles }, &changes)?;
@@ -116,11 +116,16 @@ impl Scene {
     }
 
     /// Facts about the scene with these choices, as JSON.
-    fn describe(&self, py: Python<'_>, words: Vec<String>, changes: Changes) -> PyResult<String> {
+    fn describe(
+        slf: Py<Self>,
+        py: Python<'_>,
+        words: Vec<String>,
+        changes: Changes,
+    ) -> PyResult<String> {
         let request = parse(py, &words)?;
-        pool::run(py, || {
+        pool::run_interruptible(py, move || {
             let OpenedScene { file, text, notes, choices } =
-                self.open(&request, &overrides(&changes))?;
+                slf.get().open(&request, &overrides(&changes))?;
             let loaded = file.particles().next();
             let settings = &file.settings;
             Ok(json!({
@@ -144,35 +149,35 @@ impl Scene {
 
     /// The identity of the scene: equal ones render to equal pictures.
     fn content_hash(
-        &self,
+        slf: Py<Self>,
         py: Python<'_>,
         words: Vec<String>,
         changes: Changes,
     ) -> PyResult<String> {
         let request = parse(py, &words)?;
-        pool::run(py, || {
-            let (scene, _) = self.open(&request, &overrides(&changes))?.file.build()?;
+        pool::run_interruptible(py, move || {
+            let (scene, _) = slf.get().open(&request, &overrides(&changes))?.file.build()?;
             Ok(scene.content_hash().to_string())
         })
     }
 
     /// Rows of the visible particles in their arrays, if some are left out.
     fn visible(
-        &self,
+        slf: Py<Self>,
         py: Python<'_>,
         words: Vec<String>,
         changes: Changes,
     ) -> PyResult<Option<Vec<u32>>> {
         let request = parse(py, &words)?;
-        pool::run(py, || {
-            let opened = self.open(&request, &overrides(&changes))?;
+        pool::run_interruptible(py, move || {
+            let opened = slf.get().open(&request, &overrides(&changes))?;
             Ok(opened.file.particles().next().and_then(|loaded| loaded.look.rows.clone()))
         })
     }
 
     /// The sphere in the middle of a pixel, as JSON; `None` for the background.
     fn pick(
-        &self,
+        slf: Py<Self>,
         py: Python<'_>,
         words: Vec<String>,
         changes: Changes,
@@ -180,19 +185,19 @@ impl Scene {
     ) -> PyResult<Option<String>> {
         let request = parse(py, &words)?;
         let given = (words, changes);
-        pool::run(py, || {
-            let mut picked = self.picked.lock().unwrap_or_else(PoisonError::into_inner);
-            let kept = picked.take().filter(|(choices, _)| *choices == given);
+        pool::run_interruptible(py, move || {
+            let this = slf.get();
+            let kept = this.last_picked().take().filter(|(choices, _)| *choices == given);
             let prepared = match kept {
                 Some((_, prepared)) => prepared,
                 None => {
-                    let opened = self.open(&request, &overrides(&given.1))?;
+                    let opened = this.open(&request, &overrides(&given.1))?;
                     let (scene, settings) = opened.file.build()?;
                     PreparedScene::new(&scene, settings)?
                 }
             };
             let found = pick(&prepared, pixel);
-            *picked = Some((given, prepared));
+            *this.last_picked() = Some((given, prepared));
             Ok(found?.map(|found| as_json(&found).to_string()))
         })
     }
@@ -219,6 +224,10 @@ impl Scene {
             ));
         }
         request.open(self.input.clone(), changes)
+    }
+
+    fn last_picked(&self) -> MutexGuard<'_, Option<(Choices, PreparedScene)>> {
+        self.picked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The tables in memory, for a render that goes on.

@@ -34,6 +34,13 @@ def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def endless(scene: ps.Scene) -> ps.Render:
+    """A render that would take an hour, once it has some samples."""
+    render = scene.start(64, 48, spp=1 << 20, quiet=True)
+    assert render.picture.width == 64, "waits for the first samples"
+    return render
+
+
 def command(*words: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     """Runs the command line of the package."""
     line = [sys.executable, "-m", "photosphere", *map(os.fspath, map(str, words))]

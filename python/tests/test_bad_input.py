@@ -82,13 +82,15 @@ def test_arrays_may_be_freed_and_changed_meanwhile() -> None:
 
 def test_a_wrong_scene_file_says_where(in_folder: Path) -> None:
     text = (REPOSITORY / "scenes/cornell-spheres.toml").read_text()
-    line = text[: text.index("albedo")].count("\n") + 1
-    Path("bad.toml").write_text(text.replace("albedo", "albdo", 1))
+    key = "vertical_fov_degrees"
+    line = text[: text.index(key)].count("\n") + 1
+    Path("bad.toml").write_text(text.replace(key, "vertical_fov_degree", 1))
     with pytest.raises(ps.Error) as caught:
         ps.scene("bad.toml")
     error = caught.value
     assert (error.file, error.line) == ("bad.toml", line)
-    assert "albdo" in error.message and "did you mean `albedo`?" in (error.help or "")
+    assert "vertical_fov_degree" in error.message
+    assert f"did you mean `{key}`?" in (error.help or "")
 
 
 def test_a_wrong_key_is_named() -> None:

@@ -77,6 +77,18 @@ def test_a_particle_file(name: str, options: dict[str, object], in_folder: Path)
         assert same, ending
 
 
+def test_particles_are_rendered_until_they_are_good(in_folder: Path) -> None:
+    from conftest import write_xyz
+
+    write_xyz(Path("a.xyz"))
+    done = command("render", "a.xyz", "--size", "64x48", "--no-run-figures", "-o", "cli.png")
+    assert "--noise '5%'" in done.stderr, done.stderr
+    render = ps.read("a.xyz").start(64, 48, no_run_figures=True, quiet=True)
+    render.wait().save("python.png")
+    assert Path("python.png").read_bytes() == Path("cli.png").read_bytes()
+    assert render.error is not None and render.error < 0.06
+
+
 def test_scenes_are_twenty() -> None:
     assert len(SCENES) + len(PARTICLES) == 20
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import endless
 
 import photosphere as ps
 
@@ -25,15 +26,49 @@ def test_a_render_shows_a_picture_that_gets_better(
         return Handle()
 
     monkeypatch.setattr(display, "display", show)
-    render = scene.start(96, 72, noise="1%", max_spp=8192, quiet=True)
+    render = endless(scene)
     render._ipython_display_()
-    render.wait(timeout=2.5)
+    while len(shown) < 2:
+        render.wait(timeout=0.1)
     render.stop()
     render._ipython_display_()
-    assert len(shown) >= 2
     assert "data:image/png;base64" in shown[-1]["text/html"]
     assert "samples per pixel" in shown[-1]["text/plain"]
     assert render._repr_png_() is not None
+
+
+def test_an_interrupt_of_the_kernel_keeps_the_samples() -> None:
+    manager = pytest.importorskip("jupyter_client.manager")
+    pytest.importorskip("ipykernel")
+    kernel, client = manager.start_new_kernel()
+    try:
+
+        def output_of(code: str) -> str:
+            lines: list[str] = []
+
+            def hook(message: Any) -> None:
+                if message["msg_type"] == "stream":
+                    lines.append(message["content"]["text"])
+                if "waiting" in "".join(lines[-1:]):
+                    kernel.interrupt_kernel()
+                if message["msg_type"] == "error":
+                    lines.append(message["content"]["ename"])
+
+            client.execute_interactive(code, output_hook=hook, timeout=600, allow_stdin=False)
+            return "".join(lines)
+
+        output_of(
+            "import numpy as np, photosphere as ps\n"
+            "xyz = np.random.default_rng(0).uniform(-5, 5, (1000, 3))\n"
+            "r = ps.spheres(xyz, radius=0.4).start(64, 48, spp=1 << 20)\n"
+            "r.picture"
+        )
+        assert output_of("print('waiting', flush=True); r.wait()").endswith("KeyboardInterrupt")
+        shown = output_of("r.stop(); print(r.reason, r.picture.spp > 0)")
+        assert shown == "stopped True\n"
+    finally:
+        client.stop_channels()
+        kernel.shutdown_kernel(now=True)
 
 
 def test_a_picture_is_shown_as_png(xyz: np.ndarray) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, write_xyz
+from conftest import REPOSITORY, command, write_xyz
 
 import photosphere as ps
 
@@ -52,10 +54,22 @@ def test_4_a_file_with_conditions(in_folder: Path) -> None:
     assert scene.render(64, 48, **SMALL).width == 64
 
 
+def test_4_a_file_never_becomes_python_objects(in_folder: Path) -> None:
+    write_xyz(Path("a.xyz"))
+    code = (
+        "import sys, photosphere as ps\n"
+        "p = ps.read('a.xyz', columns=['e']).where('e < 12')\n"
+        "p.scene(color=ps.by('e', 'vik')).render(64, 48, spp=4, quiet=True).save('a.png')\n"
+        "print('numpy' in sys.modules)"
+    )
+    line = [sys.executable, "-c", code]
+    done = subprocess.run(line, capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n" and Path("a.png").exists()
+
+
 def test_5_a_render_that_progresses(scene: ps.Scene) -> None:
     r = scene.start(64, 48, noise="20%", max_spp=64, quiet=True)
-    r.wait(timeout=0.3)
-    assert r.picture.width == 64
+    assert r.wait(timeout=0.01) is r and r.picture.width == 64
     r.wait()
     assert r.error is not None and 0 < r.error < 1
     assert r.reason in ("finished", "noise target missed")
@@ -89,12 +103,31 @@ def test_6_layers_as_arrays(scene: ps.Scene) -> None:
     assert np.isfinite(kept).any(), "the array keeps the picture alive"
 
 
+def test_6_columns_are_layers(xyz: np.ndarray, in_folder: Path) -> None:
+    charge = np.arange(1000.0)
+    scene = ps.spheres(xyz, radius=0.4, values={"charge": charge}, select="charge < 900")
+    picture = scene.render(64, 48, layers=["depth", "charge"], **SMALL)
+    layer = picture["charge"]
+    assert layer.dtype == np.float32 and np.nanmax(layer) < 900
+    y, x = np.argwhere(np.isfinite(layer))[100]
+    pick = picture.pick(int(x), int(y))
+    assert pick is not None and pick.row == layer[y, x] == pick.values["charge"]
+    with pytest.raises(ps.Error, match="there is no layer `nothing`"):
+        scene.render(64, 48, layers=["nothing"], **SMALL)
+    write_xyz(Path("a.xyz"))
+    ps.read("a.xyz").render(64, 48, layers=["e"], no_run_figures=True, **SMALL).save("a.exr")
+    words = ["--size", "64x48", "--spp", 4, "--layers", "e", "--no-run-figures", "-o", "b.exr"]
+    done = command("render", "a.xyz", *words)
+    assert done.returncode == 0, done.stderr
+    assert Path("a.exr").read_bytes() == Path("b.exr").read_bytes()
+
+
 def test_7_stop_go_on_and_extend(scene: ps.Scene, in_folder: Path) -> None:
     r = scene.start(64, 48, spp=192, checkpoint="a.state")
-    r.wait(timeout=0.2)
+    assert r.picture.width == 64, "there are samples"
     r.stop()
     assert not r.running
-    ps.resume("a.state", scene=scene).extend_to(256).wait().save("a.exr", no_run_figures=True)
+    ps.resume("a.state").extend_to(256).wait().save("a.exr", no_run_figures=True)
     scene.render(64, 48, spp=256).save("b.exr", no_run_figures=True)
     assert Path("a.exr").read_bytes() == Path("b.exr").read_bytes()
 
@@ -102,7 +135,7 @@ def test_7_stop_go_on_and_extend(scene: ps.Scene, in_folder: Path) -> None:
 def test_7_a_file_is_resumed_by_its_checkpoint_alone(in_folder: Path) -> None:
     write_xyz(Path("a.xyz"))
     r = ps.read("a.xyz").start(64, 48, spp=256, checkpoint="a.state", quiet=True)
-    r.wait(timeout=0.1)
+    assert r.picture.width == 64, "there are samples"
     r.stop()
     r = ps.resume("a.state").extend_to(320).wait()
     assert np.array_equal(

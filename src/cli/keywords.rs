@@ -156,13 +156,18 @@ impl KeywordRender {
     /// If the scene or an option is wrong.
     pub fn open(&self, input: SceneInput, changes: &[Override]) -> Result<OpenedScene> {
         let overrides: Vec<Override> = self.0.overrides.iter().chain(changes).cloned().collect();
+        let made_of_particles = |import: Import| {
+            let mut opened = OpenedScene::from(import);
+            opened.choices.extend(self.0.default_choices());
+            opened
+        };
         let file = match input {
             SceneInput::File(path) if !ParticleFile::is_one(&path, &overrides) => {
                 read_file(&path, &overrides)?
             }
             SceneInput::File(path) => {
                 let file = ParticleFile { path: &path, overrides: &overrides };
-                return file.import(&self.0.studio).map(OpenedScene::from);
+                return file.import(&self.0.studio).map(made_of_particles);
             }
             SceneInput::Text { name, text, folder, tables } => {
                 read_text_with(&name, &text, &folder, &overrides, tables)?
@@ -170,7 +175,7 @@ impl KeywordRender {
             SceneInput::Particles { name, path, particles } => {
                 let studio = &self.0.studio;
                 let import = import_particles(&name, &path, studio, &overrides, particles)?;
-                return Ok(import.into());
+                return Ok(made_of_particles(import));
             }
         };
         Ok(OpenedScene { file, text: None, notes: Vec::new(), choices: Vec::new() })
@@ -190,6 +195,13 @@ impl KeywordRender {
         let layers = &self.0.job.layers;
         let needs = MemoryNeeds { backends: &[chosen.backend], kinds: layers, besides: 0 };
         memory::check(file, &needs, self.0.memory_limit)
+    }
+
+    /// Returns the render with the noise target that `photosphere render` gives particles if no
+    /// option says when to stop.
+    #[must_use]
+    pub fn until_good(self) -> Self {
+        Self(self.0.until_good())
     }
 
     /// Describes what is drawn over the picture.

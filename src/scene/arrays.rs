@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::math::DVec3;
 
+use super::colors::PackedColor;
 use super::column_limits::ColumnLimits;
 use super::columns::Column;
 use super::complaint::TableDiagnostic;
@@ -38,6 +39,13 @@ pub(super) fn read_spheres<T: Row>(
     }));
     let mut colors = RowColors::default();
     if let Some(color) = color {
+        // Rounding may have lifted a colour above the limit; packing it again lowers it.
+        let lifted = max_color.map(|most| {
+            let most = f64::from(most);
+            (most + PackedColor::rounding(most)) as f32
+        });
+        let max_packed = if color[0].is_packed() { lifted } else { max_color };
+        let limits = |column| ColumnLimits::new(column, offset, max_packed);
         let given = checked(Column::COLOR.map(limits), color.each_ref(), &first_wrong);
         let mut all = reserve_colors(storage, arrays.len() as u64).map_err(complaint)?;
         all.extend(rows().map(|row| given(row).map(|number| number as f32)), max_color);

@@ -20,7 +20,7 @@ pub(super) enum SphereColors {
 /// `sqrt(c) / 1023 + 2^-22` for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit
 /// sRGB are 12 to 18 times as large for red and green, and 6 to 9 times for blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PackedColor(u32);
+pub struct PackedColor(u32);
 
 /// Maximum value and lowest bit of each channel.
 const CHANNELS: [(u32, u32); 3] = [(2047, 21), (2047, 10), (1023, 0)];
@@ -37,7 +37,13 @@ impl PackedColor {
         Self(bits)
     }
 
-    fn get(self) -> [f32; 3] {
+    /// The most that rounding adds to a channel which is at most `value`.
+    pub(super) fn rounding(value: f64) -> f64 {
+        value.sqrt() / 1023.0 + 1.0 / f64::from(1 << 22)
+    }
+
+    /// The linear colour.
+    pub(super) fn get(self) -> [f32; 3] {
         CHANNELS.map(|(most, lowest_bit)| unpack(self.0 >> lowest_bit & most, most))
     }
 }
@@ -96,6 +102,8 @@ mod tests {
             for (channel, given) in [c, 1.0 - c, c * c].into_iter().enumerate() {
                 let bound = bounds[channel] + [1.2e-7, 1.2e-7, 3.6e-7][channel];
                 assert!((found[channel] - given).abs() <= bound, "{given}: {found:?}");
+                let most = PackedColor::rounding(given.into());
+                assert!(f64::from(found[channel] - given) <= most, "{given}: {found:?}");
                 assert!((0.0..=1.0).contains(&found[channel]));
             }
             assert_eq!(packed(found), found, "packing twice changes nothing");

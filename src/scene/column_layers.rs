@@ -39,6 +39,18 @@ impl ColumnLayers {
         Self::read(table, particles, rows.unwrap_or_default(), names)
     }
 
+    /// Takes the numbers of all particles of a scene, whose arrays a program has in memory.
+    ///
+    /// # Errors
+    /// As for [`Self::of_scene_file`].
+    pub fn of_numbers(file: &SceneFile, columns: Vec<(String, Vec<f32>)>) -> Result<Self> {
+        let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
+        let (table, _) = first_particles(&file.description, &names)?;
+        refuse_colour_channels(&names)?;
+        let rows = file.particles().next().map(|loaded| loaded.file_rows()).unwrap_or_default();
+        Ok(Self { table, rows, columns })
+    }
+
     /// Reads columns of the particles of a scene whose files are in a folder.
     ///
     /// # Errors
@@ -61,10 +73,7 @@ impl ColumnLayers {
         rows: FileRows,
         names: &[String],
     ) -> Result<Self> {
-        if let Some(name) = names.iter().find(|name| BEAUTY_CHANNELS.contains(&&***name)) {
-            let message = format!("the layer `{name}` would have the name of a colour channel");
-            return Err(Error::input(message).with_help("rename the column"));
-        }
+        refuse_colour_channels(names)?;
         let found = read(&particles.path, &particles.request(Wanted::Only(names.to_vec())))?;
         let numbers = |name: &String| {
             let column = found.column(name).filter(|c| !matches!(c.data, ColumnData::Text(_)));
@@ -101,6 +110,14 @@ impl ColumnLayers {
             picture.channels.push(ImageChannel::new(name, values));
         }
     }
+}
+
+fn refuse_colour_channels(names: &[String]) -> Result<()> {
+    let Some(name) = names.iter().find(|name| BEAUTY_CHANNELS.contains(&&***name)) else {
+        return Ok(());
+    };
+    let message = format!("the layer `{name}` would have the name of a colour channel");
+    Err(Error::input(message).with_help("rename the column"))
 }
 
 /// The first particle file of a scene, with the index of its table.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub use super::colors::PackedColor;
 pub use super::columns::{Column, FileColumn, NumberType};
 use super::particle_file::ParticleTable;
 
@@ -85,6 +86,8 @@ pub enum ArrayValues {
     F32Bytes(SharedSlice<u8>),
     /// Little-endian 64-bit floats in a byte array, which are not rounded either.
     F64Bytes(SharedSlice<u8>),
+    /// Linear colours in 32 bits. Offset and stride count channels, of which each colour has three.
+    Packed(SharedSlice<PackedColor>),
 }
 
 /// An array of ids.
@@ -248,6 +251,23 @@ impl StridedArray {
         })
     }
 
+    /// The channels of packed colours.
+    pub(super) fn packed(colors: Vec<PackedColor>) -> [Self; 3] {
+        let len = colors.len();
+        let values = ArrayValues::Packed(SharedSlice::new(colors));
+        std::array::from_fn(|channel| Self {
+            values: values.clone(),
+            offset: channel,
+            stride: 3,
+            len,
+        })
+    }
+
+    /// Returns true if the numbers are rounded colours.
+    pub(super) fn is_packed(&self) -> bool {
+        matches!(self.values, ArrayValues::Packed(_))
+    }
+
     /// One shared number for all spheres.
     pub fn constant<T: Scalar>(value: T, len: usize) -> Self {
         Self { values: T::into_values(SharedSlice::new(vec![value])), offset: 0, stride: 0, len }
@@ -264,6 +284,7 @@ impl StridedArray {
             ArrayValues::F64Bytes(bytes) => {
                 self.is_within(bytes.as_slice().len(), size_of::<f64>())
             }
+            ArrayValues::Packed(colors) => self.is_within(3 * colors.as_slice().len(), 1),
         }
     }
 
@@ -274,6 +295,7 @@ impl StridedArray {
             ArrayValues::F64(values) => Numbers::F64(values.as_slice()),
             ArrayValues::F32Bytes(bytes) => Numbers::F32Bytes(bytes.as_slice()),
             ArrayValues::F64Bytes(bytes) => Numbers::F64Bytes(bytes.as_slice()),
+            ArrayValues::Packed(colors) => Numbers::Packed(colors.as_slice()),
         };
         Reader { numbers, first: self.offset, stride: self.stride }
     }
@@ -330,6 +352,7 @@ enum Numbers<'a> {
     F64(&'a [f64]),
     F32Bytes(&'a [u8]),
     F64Bytes(&'a [u8]),
+    Packed(&'a [PackedColor]),
 }
 
 impl Reader<'_> {
@@ -342,6 +365,7 @@ impl Reader<'_> {
             Numbers::F64(values) => values[at],
             Numbers::F32Bytes(bytes) => f64::from(f32::from_le_bytes(bytes_at(bytes, at))),
             Numbers::F64Bytes(bytes) => f64::from_le_bytes(bytes_at(bytes, at)),
+            Numbers::Packed(colors) => f64::from(colors[at / 3].get()[at % 3]),
         };
         number + 0.0
     }

@@ -207,7 +207,8 @@ impl TablePlan {
                         return Self::default();
                     }
                 };
-                let arrays = particle_table::arrays(&mut look, appearance.glow, appearance.shade);
+                let (glow, shade) = (appearance.glow, appearance.shade);
+                let arrays = particle_table::arrays(&mut look, table.colors, glow, shade);
                 let (rows, is_f64) = (arrays.len() as u64, arrays.is_f64());
                 let particles = Some(PlannedParticles { arrays, look });
                 return Self { rows, is_f64, particles, ..Self::default() };

@@ -6,7 +6,9 @@ use crate::appearance::{AppearanceError, Colors, Dressed, Radii, dress, needed_c
 use crate::error::{Error, Result};
 use crate::particles::{Particles, Positions, Wanted, read, survey};
 
+use super::colors::PackedColor;
 use super::data::{SphereArrays, StridedArray};
+use super::description::ColorStorage;
 use super::particle_file::ParticleTable;
 
 /// Why particles cannot become spheres.
@@ -80,8 +82,14 @@ impl FileRows {
     }
 }
 
-/// The arrays of visible particles. White ones emit `glow`, and reflect `shade`.
-pub(super) fn arrays(dressed: &mut Dressed, glow: f64, shade: f64) -> SphereArrays {
+/// The arrays of visible particles, with colours as the scene will store them. White ones emit
+/// `glow`, and reflect `shade`.
+pub(super) fn arrays(
+    dressed: &mut Dressed,
+    storage: ColorStorage,
+    glow: f64,
+    shade: f64,
+) -> SphereArrays {
     let len = dressed.len();
     let center = match std::mem::replace(&mut dressed.positions, Positions::F32(Vec::new())) {
         Positions::F32(centers) => StridedArray::columns_from(centers),
@@ -97,7 +105,10 @@ pub(super) fn arrays(dressed: &mut Dressed, glow: f64, shade: f64) -> SphereArra
     if shade < 1.0 {
         colors = scaled(&colors, shade);
     }
-    let color = in_columns(colors, len);
+    let color = match (colors, storage) {
+        (Colors::Each(colors), ColorStorage::Packed) => StridedArray::packed(packed(&colors)),
+        (colors, _) => in_columns(colors, len),
+    };
     SphereArrays { center, radius, color: Some(color), emission, ids: None }
 }
 
@@ -109,6 +120,11 @@ fn scaled(colors: &Colors, factor: f64) -> Colors {
             Colors::Each(colors.par_iter().map(scale).collect())
         }
     }
+}
+
+/// Particles may be kept for many renders, so they take no more memory than in a scene.
+fn packed(colors: &[[f32; 3]]) -> Vec<PackedColor> {
+    colors.par_iter().map(|color| PackedColor::new(*color, [1.0; 3])).collect()
 }
 
 fn in_columns(colors: Colors, len: usize) -> [StridedArray; 3] {

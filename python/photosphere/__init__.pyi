@@ -1,0 +1,93 @@
+# The names of the package, which __init__.py loads when they are used.
+from ._adapters import (
+    from_ase,
+    from_gsd,
+    from_mdanalysis,
+    from_ovito,
+    from_pyvista,
+)
+from ._errors import Error
+from ._objects import (
+    Background,
+    Camera,
+    Conductor,
+    Dielectric,
+    Diffuse,
+    EnvironmentMap,
+    Glass,
+    Gradient,
+    Light,
+    Metal,
+    Mirror,
+    Orthographic,
+    Panoramic,
+    Phong,
+    Plastic,
+    Principled,
+    Sky,
+    Sphere,
+    Spheres,
+    Sun,
+    ThinLens,
+)
+from ._particles import (
+    By,
+    Cell,
+    Particles,
+    by,
+    read,
+    spheres,
+)
+from ._picture import Legend, Pick, Picture
+from ._render import Part, Render, merge, resume
+from ._scene import Plan, Scene, scene
+
+__all__ = [
+    "NONE",
+    "from_ase",
+    "from_gsd",
+    "from_mdanalysis",
+    "from_ovito",
+    "from_pyvista",
+    "Error",
+    "Background",
+    "Camera",
+    "Conductor",
+    "Dielectric",
+    "Diffuse",
+    "EnvironmentMap",
+    "Glass",
+    "Gradient",
+    "Light",
+    "Metal",
+    "Mirror",
+    "Orthographic",
+    "Panoramic",
+    "Phong",
+    "Plastic",
+    "Principled",
+    "Sky",
+    "Sphere",
+    "Spheres",
+    "Sun",
+    "ThinLens",
+    "By",
+    "Cell",
+    "Particles",
+    "by",
+    "read",
+    "spheres",
+    "Legend",
+    "Pick",
+    "Picture",
+    "Part",
+    "Render",
+    "merge",
+    "resume",
+    "Plan",
+    "Scene",
+    "scene",
+]
+
+NONE: int
+__version__: str
