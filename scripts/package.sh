@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # Makes what is shipped, in target/packages.
 #
-#   scripts/package.sh tarball [PROFILE]   the program without Embree, for every Linux with glibc 2.28;
-#                                          its debug symbols; the notes of the release
-#   scripts/package.sh deb [SUITE]         a package for this Debian or Ubuntu, with its Embree; with
-#                                          SUITE (bookworm, trixie) in a fresh root of that Debian, by
-#                                          this machine's Rust, since Debian's is older than AVX-512
-#   scripts/package.sh crate               the crate, and a build of what is in it
-#   scripts/package.sh check PROGRAM       whether PROGRAM needs an old glibc alone
+#   scripts/package.sh tarball [PROFILE]
+#       the program without Embree, for every Linux with glibc 2.28; its debug symbols; the notes of the
+#       release
+#   scripts/package.sh deb [SUITE]
+#       a package for this Debian or Ubuntu, with its Embree; with SUITE (bookworm, trixie) in a fresh
+#       root of that Debian, by this machine's Rust, since Debian's is older than AVX-512
+#   scripts/package.sh crate
+#       the crate, and a build of what is in it
+#   scripts/package.sh check PROGRAM
+#       whether PROGRAM needs an old glibc alone
 #   scripts/package.sh install PROGRAM PREFIX
-#                                          PROGRAM, its manual and completions below PREFIX
+#       PROGRAM, its manual and completions below PREFIX
 #
-# PROFILE is a profile of Cargo.toml, by default `release`. All but the crate are built for the processor
-# of this machine; vector instructions are chosen when the program starts. SUITE needs what
+# PROFILE is a profile of Cargo.toml, by default `release`. All but the crate are built for the
+# processor of this machine; vector instructions are chosen when the program starts. SUITE needs what
 # scripts/debian-root.sh says.
 set -euo pipefail
 # shellcheck source=scripts/toolchain.sh
