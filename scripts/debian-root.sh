@@ -120,8 +120,8 @@ in_root() {
     fi
 }
 
-# Runs the command $1 in the root, shows how it went, and remembers a failure in `failed` and a line in
-# `summary`.
+# Runs the command $1 in the root, shows how it went, and remembers a failure in `failed` and a line
+# in `summary`.
 try() {
     local began=$SECONDS outcome=ok
     printf '\n== %s: %s\n' "$suite" "$1"

@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # Makes what is shipped, in target/packages.
 #
-#   scripts/package.sh tarball [PROFILE]   the program without Embree, for every Linux with glibc 2.28;
-#                                          its debug symbols; the notes of the release
-#   scripts/package.sh deb [SUITE]         a package for this Debian or Ubuntu, with its Embree; with
-#                                          SUITE (bookworm, trixie) in a fresh root of that Debian, by
-#                                          this machine's Rust, since Debian's is older than AVX-512
-#   scripts/package.sh crate               the crate, and a build of what is in it
-#   scripts/package.sh check PROGRAM       whether PROGRAM needs an old glibc alone
+#   scripts/package.sh tarball [PROFILE]
+#       the program without Embree, for every Linux with glibc 2.28; its debug symbols; the notes of the
+#       release
+#   scripts/package.sh deb [SUITE]
+#       a package for this Debian or Ubuntu, with its Embree; with SUITE (bookworm, trixie) in a fresh
+#       root of that Debian, by this machine's Rust, since Debian's is older than AVX-512
+#   scripts/package.sh crate
+#       the crate, and a build of what is in it
+#   scripts/package.sh check PROGRAM
+#       whether PROGRAM needs an old glibc alone
 #   scripts/package.sh install PROGRAM PREFIX
-#                                          PROGRAM, its manual and completions below PREFIX
+#       PROGRAM, its manual and completions below PREFIX
 #
-# PROFILE is a profile of Cargo.toml, by default `dist`. All but the crate are built for the processor
-# of this machine; vector instructions are chosen when the program starts. SUITE needs what
+# PROFILE is a profile of Cargo.toml, by default `release`. All but the crate are built for the
+# processor of this machine; vector instructions are chosen when the program starts. SUITE needs what
 # scripts/debian-root.sh says.
 set -euo pipefail
 # shellcheck source=scripts/toolchain.sh
@@ -160,14 +163,14 @@ make_tarball() {
 make_deb() {
     scripts/setup.sh git
     find_rust
-    "$cargo" build --profile dist --locked
+    "$cargo" build --release --locked
     local release name stage=target/deb
     # shellcheck source=/dev/null
     release=$(. /etc/os-release && echo "$ID${VERSION_ID:-$VERSION_CODENAME}")
     name=photosphere_$version-1~${release}_$(dpkg --print-architecture).deb
     rm -rf "$stage"
     mkdir -p "$stage/DEBIAN"
-    cp "${CARGO_TARGET_DIR:-target}/dist/photosphere" "$packages/photosphere"
+    cp "${CARGO_TARGET_DIR:-target}/release/photosphere" "$packages/photosphere"
     strip "$packages/photosphere"
     readelf -d "$packages/photosphere" | grep -q 'NEEDED.*libembree' ||
         complain "the program was built without Embree"
@@ -243,7 +246,7 @@ make_crate() {
 mkdir -p "$packages"
 find_rust || [[ ${1:-} == deb ]] || complain "no Rust $rust_minimum or newer"
 case "${1:-} $#" in
-'tarball 1' | 'tarball 2') make_tarball "${2:-dist}" ;;
+'tarball 1' | 'tarball 2') make_tarball "${2:-release}" ;;
 'deb 1') make_deb ;;
 'deb 2') make_deb_in_root "$2" ;;
 'crate 1') make_crate ;;

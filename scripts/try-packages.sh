@@ -54,8 +54,8 @@ try_deb() {
     deb=$(bring packages "photosphere_*~${release}_*.deb")
     if [[ -n $deb ]]; then
         # dpkg unpacks it and says what it lacks, which apt installs.
-        try "apt-get -qq update && { dpkg -i $deb || $apt -f install; }"
-        try 'dpkg --verify photosphere && ! dpkg --audit | grep .'
+        try "export PATH; apt-get -qq update && { dpkg -i $deb || $apt -f install; }"
+        try 'export PATH; dpkg --verify photosphere && ! dpkg --audit | grep .'
         try_program
         try 'photosphere doctor | grep "compiled against"'
     fi
@@ -67,7 +67,7 @@ try_wheel() {
     begin "$1"
     wheel=$(bring wheels 'photosphere-*.whl')
     if [[ -n $wheel && $suite != bullseye ]]; then
-        try "apt-get -qq update && $apt install python3-venv ca-certificates && python3 -m venv /venv"
+        try "export PATH; apt-get -qq update && $apt install python3-venv ca-certificates && python3 -m venv /venv"
         try "/venv/bin/pip --quiet install ./$wheel && ln -s /venv/bin/photosphere /usr/bin"
         try_program
     fi
