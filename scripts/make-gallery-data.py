@@ -42,16 +42,16 @@ def water(out):
         f.write(f"{side:10.5f}{side:10.5f}{side:10.5f}\n")
 
 
-def packed(r, radii, counts, size):
-    """Balls that do not overlap, large ones first, in a box."""
+def packed(r, radii, counts, tries, size):
+    """Balls that do not overlap, large ones first, in a box: at most `counts` of each radius, out
+    of so many `tries`."""
     centers, sizes = np.empty((0, 3)), np.empty(0)
-    for radius, count in zip(radii, counts):
-        new = r.uniform(radius, np.asarray(size) - radius, (12 * count, 3))
-        free = np.ones(len(new), bool)
+    for radius, count, many in zip(radii, counts, tries):
+        new = r.uniform(radius, np.asarray(size) - radius, (many, 3))
         for other in np.unique(sizes):
-            near = cKDTree(centers[sizes == other]).query(new)[0]
-            free &= near >= radius + other
-        new = new[free]
+            apart = radius + other
+            tree = cKDTree(centers[sizes == other])
+            new = new[tree.query(new, distance_upper_bound=apart)[0] >= apart]
         pairs = cKDTree(new).query_pairs(2 * radius, output_type="ndarray")
         keep = np.ones(len(new), bool)
         for a, b in pairs[np.argsort(pairs[:, 0])]:
@@ -64,13 +64,14 @@ def packed(r, radii, counts, size):
 
 
 def beads(out):
-    """A cut through a pack of beads whose radii span two decades."""
-    radii = np.geomspace(1.0, 0.01, 14)
-    counts = (18 * radii**-1.9).astype(int)
-    centers, sizes = packed(rng(), radii, np.minimum(counts, 60000), (9, 9, 4))
-    rows = np.column_stack([centers, sizes, np.log10(sizes)])
-    np.savetxt(out / "beads.csv", rows, fmt="%.6g", delimiter=",", comments="",
-               header="x,y,z,radius,log_radius")
+    """A dense pack of beads whose radii span two decades."""
+    radii = np.geomspace(1.0, 0.01, 16)
+    tries = np.minimum(20000 / radii**1.2, 300000).astype(int)
+    tries[0] = 300
+    counts = np.full(16, 100000)
+    centers, sizes = packed(rng(), radii, counts, tries, (6, 6, 2.6))
+    np.savetxt(out / "beads.csv", np.column_stack([centers, sizes]), fmt="%.5g", delimiter=",",
+               comments="", header="x,y,z,radius")
 
 
 def galaxy(out):
@@ -177,7 +178,8 @@ def gyroid(out):
 
 def glass(out):
     r = rng()
-    centers, sizes = packed(r, np.geomspace(0.6, 0.16, 9), [6, 8, 12, 16, 24, 34, 50, 70, 90], (7, 7, 1.2))
+    counts = np.array([6, 8, 12, 16, 24, 34, 50, 70, 90])
+    centers, sizes = packed(r, np.geomspace(0.6, 0.16, 9), counts, 12 * counts, (7, 7, 1.2))
     centers[:, 2] = sizes
     order = np.argsort(-sizes)
     kept = []

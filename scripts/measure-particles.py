@@ -5,8 +5,10 @@
 
 Prints, for files of 1e5, 1e6, ... particles in a binary and a text format: the seconds of loading
 (reading, radii, colours), building and rendering 640x480 pixels with 16 samples, the share of
-loading, and the peak memory beside the plan of `photosphere info`. Then the processor time of
-pandas' C reader, where pandas is installed, beside that of loading on one thread.
+loading, the processor time of all, and the peak memory beside the plan of `photosphere info`. Then
+the processor time of pandas' C reader, where pandas is installed, beside that of loading, framing
+and hashing on one thread; `cargo bench --bench particles` measures the readers alone. On a busy
+machine, believe the shares and the processor times.
 
 Needs: pip install numpy pandas
 """
@@ -61,7 +63,7 @@ def pandas_seconds(path):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    print("file       load s  build s  render s  load share  peak MB  plan MB")
+    print("file       load s  build s  render s  load share   cpu s  peak MB  plan MB  peak/plan")
     count = 100_000
     while count <= LARGEST:
         points = particles(count)
@@ -74,14 +76,17 @@ with tempfile.TemporaryDirectory() as folder:
             plan = json.loads(subprocess.run([PROGRAM, "info", path, "--json"], check=True, capture_output=True).stdout)
             r = render(path, "--size", "640x480", "--spp", "16", "--radius", "0.5")
             whole = r["load_s"] + r["build_s"] + r["render_s"]
+            peak, planned = r["peak_rss_bytes"], plan["memory_bytes"]
             print(f"{count:.0e} {ending:4} {r['load_s']:7.2f} {r['build_s']:8.2f} {r['render_s']:9.2f} "
-                  f"{r['load_s'] / whole:10.0%} {r['peak_rss_bytes'] / 1e6:9.0f} {plan['memory_bytes'] / 1e6:8.0f}",
-                  flush=True)
+                  f"{r['load_s'] / whole:10.0%} {r['cpu_s']:8.2f} {peak / 1e6:8.0f} {planned / 1e6:8.0f} "
+                  f"{peak / planned:9.2f}", flush=True)
             if ending == "dump":
                 small = ["--size", "16x16", "--spp", "1", "--radius", "0.5", "--threads", "1", "--accel", "native"]
                 ours, theirs = render(path, *small), pandas_seconds(path)
                 if theirs:
-                    print(f"     pandas' C reader {theirs:.2f} s of processor time; loading on one thread "
-                          f"{ours['load_s']:.2f} s")
+                    # The share of loading is that of its seconds: nothing else runs beside it.
+                    all_s = ours["load_s"] + ours["build_s"] + ours["render_s"]
+                    loading = ours["cpu_s"] * ours["load_s"] / all_s
+                    print(f"     processor time: pandas' C reader {theirs:.2f} s, loading {loading:.2f} s")
             path.unlink()
         count *= 10

@@ -1,8 +1,10 @@
 //! Reads the scene that a command names: a file, or the standard input.
 
+use std::io::{Cursor, Read, stdin};
 use std::path::Path;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::particles::{ReadRequest, survey_bytes};
 use crate::scene::{Override, SceneFile, read_file, read_stream};
 
 /// The name of a scene from the standard input.
@@ -19,7 +21,26 @@ pub(super) fn is_stdin(path: &Path) -> bool {
 /// If the scene cannot be read, or has mistakes.
 pub(super) fn read(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
     match is_stdin(path) {
-        true => read_stream(STANDARD_INPUT, std::io::stdin(), Path::new(""), overrides),
+        true => read_stdin(overrides),
         false => read_file(path, overrides),
     }
+}
+
+fn read_stdin(overrides: &[Override]) -> Result<SceneFile> {
+    const HEAD_BYTES: u64 = 1 << 16;
+    let name = Path::new(STANDARD_INPUT);
+    let mut head = Vec::new();
+    let read = stdin().take(HEAD_BYTES).read_to_end(&mut head);
+    read.map_err(|error| Error::file("read", name, error))?;
+    let stream = Cursor::new(&head).chain(stdin());
+    read_stream(STANDARD_INPUT, stream, Path::new(""), overrides).map_err(
+        |error| match survey_bytes(name, &head, &ReadRequest::default()) {
+            Ok(found) => {
+                let format = found.format.name();
+                Error::input("the standard input is no scene, but a particle file")
+                    .with_help(format!("name its format: --input-format {format}"))
+            }
+            Err(_) => error,
+        },
+    )
 }

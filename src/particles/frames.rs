@@ -4,7 +4,7 @@
 use super::budget::Budget;
 use super::column::{Column, ColumnData};
 use super::format::Format;
-use super::model::{Cell, LengthUnit, Particles, Positions};
+use super::model::{Cell, LengthUnit, Particles};
 use super::request::{ColumnInfo, ColumnKind, ReadRequest, Survey};
 use super::source::Source;
 use super::text::{Batch, Fields, Input, LineParser, Section, Words, read_rows};
@@ -74,17 +74,14 @@ pub(super) fn read<F: FrameFormat>(
     check_lines(&input, lines, &head)?;
     format.tail(&mut input, &mut head)?;
     format.finish(&head, &mut batch);
-    let names = fields.names().map(str::to_owned);
-    let columns = names.zip(batch.columns).map(|(name, data)| Column { name, data: data.finish() });
-    let mut columns: Vec<Column> = columns.collect();
+    let (positions, mut columns) = batch.finish(fields.names());
     if let Some((name, runs)) = head.words.filter(|(name, _)| request.columns.has(name)) {
         columns.push(Column { name: name.to_owned(), data: expand(&runs) });
     }
-    batch.positions.shrink_to_fit();
     Ok(Particles {
         path,
         format: F::FORMAT,
-        positions: Positions::F64(batch.positions),
+        positions,
         columns,
         cell: head.cell,
         frame,

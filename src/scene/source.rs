@@ -288,7 +288,8 @@ fn hash_rows<const N: usize, const B: usize>(
 ) {
     let hash_of_piece = |piece: usize| {
         let rows = piece * ROWS_PER_CHUNK..count.min((piece + 1) * ROWS_PER_CHUNK);
-        let bytes: Vec<u8> = rows.flat_map(|row| numbers(row).into_iter().flatten()).collect();
+        let mut bytes = Vec::with_capacity(rows.len() * N * B);
+        rows.for_each(|row| bytes.extend_from_slice(numbers(row).as_flattened()));
         blake3::hash(&bytes)
     };
     let pieces = (0..count.div_ceil(ROWS_PER_CHUNK)).into_par_iter();

@@ -94,11 +94,11 @@ pub const MATERIALS: [(&str, &str); 8] = [
 impl Style {
     pub(super) fn values(self) -> StyleValues {
         let studio = StyleValues {
-            zenith: 1.0,
-            key: 0.7,
+            zenith: 0.5,
+            key: 0.6,
             key_diameter: 30.0,
-            key_elevation: 50.0,
-            key_azimuth: -40.0,
+            key_elevation: 42.0,
+            key_azimuth: -30.0,
             backdrop: 1.0,
             ground: true,
             plain: "#6f9bc4",
@@ -110,14 +110,9 @@ impl Style {
         };
         match self {
             Self::Studio => studio,
-            Self::Clay => StyleValues {
-                zenith: 0.7,
-                key: 0.9,
-                key_diameter: 50.0,
-                plain: "#cbb9a8",
-                material: "matte",
-                ..studio
-            },
+            Self::Clay => {
+                StyleValues { key_diameter: 50.0, plain: "#cbb9a8", material: "matte", ..studio }
+            }
             Self::Glossy => StyleValues { key_diameter: 16.0, material: "glossy", ..studio },
             Self::Paper => StyleValues {
                 zenith: 0.8,

@@ -36,6 +36,17 @@ fn a_scene_and_its_picture_go_through_pipes_without_a_changed_bit() {
 }
 
 #[test]
+fn particles_in_place_of_a_scene_are_recognised() {
+    let desk = Desk::new("2\n\nO 0 0 0\nH 1 0 0\n");
+    let told = piped(&desk, "render - -o none");
+    let told = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert!(told.contains("name its format: --input-format xyz"), "{told}");
+    let size = "--size 16x12 --spp 1 --accel native";
+    let done = piped(&desk, &format!("render - --input-format xyz -o none {size}"));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+#[test]
 fn a_picture_that_is_discarded_is_rendered_all_the_same() {
     let desk = Desk::new(SCENE);
     let done = desk.run("render scene.toml -o none --json --layers normal --exposure 1").succeeds();

@@ -66,7 +66,7 @@ fn types_follow_all_rows() {
 #[test]
 fn mistakes_have_their_line() {
     for (text, message) in [
-        ("x,y,z\n1,2,3\n1,2\n", "memory:3: expected 3 values, found 2 (z missing)"),
+        ("x,y,z\n1,2,3\n1,2\n", "memory:3: expected 3 values, found 2 (z is missing)"),
         ("x,y,z\n1,2,3\n1,2,3,4\n", "memory:3: expected 3 values, found 4"),
         ("x,y,z\n1,2,3\n1,,3\n", "memory:3: expected a finite number for `y`, found ``"),
         ("x y z\n1 2 3\n1 inf 3\n", "memory:3: expected a finite number for `y`, found `inf`"),

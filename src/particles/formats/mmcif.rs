@@ -4,9 +4,9 @@
 //! not read.
 
 use crate::particles::budget::Budget;
-use crate::particles::column::{Column, ColumnData};
+use crate::particles::column::ColumnData;
 use crate::particles::format::Format;
-use crate::particles::model::{Cell, LengthUnit, Particles, Positions};
+use crate::particles::model::{Cell, LengthUnit, Particles};
 use crate::particles::request::{ReadRequest, Survey, Wanted};
 use crate::particles::source::Source;
 use crate::particles::text::{
@@ -76,20 +76,16 @@ pub(in crate::particles) fn read(
     if batch.positions.is_empty() && frame > 0 {
         return Err(no_frame(frame, frame));
     }
-    let column = |(name, data): (&str, crate::particles::text::Values)| Column {
-        name: name.to_owned(),
-        data: data.finish(),
-    };
-    batch.positions.shrink_to_fit();
-    let is_dense = lines == batch.positions.len() as u64;
+    let (positions, columns) = batch.finish(fields.names());
+    let is_dense = lines == positions.len() as u64;
     let mut particles = Particles {
-        columns: fields.names().zip(batch.columns).map(column).collect(),
+        columns,
         cell: head.cell,
         frame,
         title: head.title,
         unit: Some(LengthUnit::Angstrom),
         first_line: is_dense.then_some(first_line),
-        ..Particles::new(path, Format::Mmcif, Positions::F64(batch.positions))
+        ..Particles::new(path, Format::Mmcif, positions)
     };
     keep_best(&mut particles, &ATOM);
     particles.columns.retain(|column| request.columns.has(&column.name));

@@ -7,10 +7,9 @@ use std::io::{BufReader, Read};
 
 use crate::particles::binary::{Data, Number, NumberKind, Slot, Slots, named, read_plan};
 use crate::particles::budget::Budget;
-use crate::particles::column::Column;
 use crate::particles::format::Format;
 use crate::particles::formats::table::axis_of;
-use crate::particles::model::{Particles, Positions};
+use crate::particles::model::Particles;
 use crate::particles::request::{ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{Batch, Field, Fields, Input, Kind, Section, SpacedRows, read_rows};
@@ -83,14 +82,8 @@ pub(in crate::particles) fn read(source: Source, request: &ReadRequest) -> Outco
                 let message = format!("expected {expected} with vertices, found {lines}");
                 return Err(Trouble::at(input.line_number(), message).into());
             }
-            let names = fields.names().zip(batch.columns);
-            let column = |(name, data): (&str, crate::particles::text::Values)| Column {
-                name: name.to_owned(),
-                data: data.finish(),
-            };
-            let columns: Vec<Column> = names.map(column).collect();
-            batch.positions.shrink_to_fit();
-            (Positions::F64(batch.positions), columns, Some(first_line))
+            let (positions, columns) = batch.finish(fields.names());
+            (positions, columns, Some(first_line))
         }
         Encoding::Binary { is_big_endian } => {
             let data = Data::new(source, budget)?;

@@ -1,6 +1,7 @@
 //! Rows that were parsed: positions and columns, which widen their type when a value needs it.
 
-use crate::particles::column::ColumnData;
+use crate::particles::column::{Column, ColumnData};
+use crate::particles::model::Positions;
 
 use super::number::{float, integer, is_missing};
 use super::words::Words;
@@ -141,15 +142,6 @@ impl Values {
         }
     }
 
-    fn reserve(&mut self, more: usize) {
-        match self {
-            Self::I32(values) => values.reserve(more),
-            Self::I64(values) => values.reserve(more),
-            Self::F64(values) => values.reserve(more),
-            Self::Text(words) => words.reserve(more),
-        }
-    }
-
     fn clear(&mut self) {
         match self {
             Self::Text(words) => words.clear(),
@@ -197,12 +189,6 @@ impl Batch {
         Self { positions: Vec::new(), columns: kinds.into_iter().map(Values::new).collect() }
     }
 
-    /// Makes room for more rows.
-    pub(in crate::particles) fn reserve(&mut self, rows: usize) {
-        self.positions.reserve(rows);
-        self.columns.iter_mut().for_each(|column| column.reserve(rows));
-    }
-
     /// Drops values of a row whose position is missing.
     pub(in crate::particles) fn drop_incomplete_row(&mut self) {
         let rows = self.positions.len();
@@ -229,6 +215,18 @@ impl Batch {
         for (column, more) in self.columns.iter_mut().zip(&mut other.columns) {
             column.append(more);
         }
+    }
+
+    /// The positions, and the columns with these names.
+    pub(in crate::particles) fn finish<'n>(
+        mut self,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> (Positions, Vec<Column>) {
+        let column =
+            |(name, data): (&str, Values)| Column { name: name.to_owned(), data: data.finish() };
+        let columns = names.into_iter().zip(self.columns).map(column).collect();
+        self.positions.shrink_to_fit();
+        (Positions::F64(self.positions), columns)
     }
 
     /// Bytes of memory, about.

@@ -94,14 +94,20 @@ fn eight_digits(digits: u64) -> u64 {
 #[inline(always)]
 pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
     let is_negative = text.first() == Some(&b'-');
-    let start = usize::from(is_negative);
-    let (mut mantissa, whole) = leading_digits(&text[start..], 0);
-    let (mut end, mut decimals) = (start + whole, 0);
-    if text.get(end) == Some(&b'.') {
-        end += 1;
-        (mantissa, decimals) = leading_digits(&text[end..], mantissa);
-        end += decimals;
-    }
+    let text = &text[usize::from(is_negative)..];
+    let (mantissa, whole, end) = match digits_around_point(text) {
+        Some(common) => common,
+        None => {
+            let (mut mantissa, whole) = leading_digits(text, 0);
+            let mut end = whole;
+            if text.get(end) == Some(&b'.') {
+                let (all, decimals) = leading_digits(&text[whole + 1..], mantissa);
+                (mantissa, end) = (all, whole + 1 + decimals);
+            }
+            (mantissa, whole, end)
+        }
+    };
+    let decimals = (end - whole).saturating_sub(1);
     let count = whole + decimals;
     if count == 0 || count > MAX_DIGITS {
         return None;
@@ -110,7 +116,50 @@ pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
         true => mantissa as f64 / POWERS[decimals],
         false => nearest_quotient(mantissa, decimals),
     };
-    Some((if is_negative { -value } else { value }, end))
+    Some((if is_negative { -value } else { value }, end + usize::from(is_negative)))
+}
+
+/// The digits at the beginning of a text as an integer, how many there are before a point, and
+/// where they end. `None` if there is no point among the first 15 bytes, or fewer than 16 bytes.
+///
+/// There is no branch on the number of digits, which no processor predicts.
+#[inline(always)]
+fn digits_around_point(text: &[u8]) -> Option<(u64, usize, usize)> {
+    const BYTES: usize = 16;
+    let word = u128::from_le_bytes(*text.first_chunk::<BYTES>()?);
+    let others = other_than_digits(word);
+    let [whole, end] = [others, others & others.wrapping_sub(1)]
+        .map(|others| others.trailing_zeros() as usize / 8);
+    if whole + 1 >= BYTES || text[whole] != b'.' {
+        return None;
+    }
+    // Without the point, and with digits that are 0 in front.
+    let before = (1 << (8 * whole)) - 1;
+    let digits = word ^ (u128::from(ZEROS) << 64 | u128::from(ZEROS));
+    let joined = digits & before | digits >> 8 & !before;
+    let count = end - 1;
+    if count == 0 {
+        return None;
+    }
+    let aligned = joined << (8 * (BYTES - count));
+    let [high, low] = [aligned as u64, (aligned >> 64) as u64].map(eight_digits);
+    let number = high * 100_000_000 + low;
+    if end < BYTES {
+        return Some((number, whole, end));
+    }
+    let (number, more) = leading_digits(&text[BYTES..], number);
+    Some((number, whole, BYTES + more))
+}
+
+/// The highest bit of each of 16 bytes that is no digit.
+#[inline(always)]
+fn other_than_digits(word: u128) -> u128 {
+    let all = |byte: u8| u128::from_le_bytes([byte; 16]);
+    // Sums of seven bits carry into no other byte.
+    let low = word & all(0x7f);
+    let from_zero = low + all(0x80 - b'0');
+    let above_nine = low + all(0x80 - b'9' - 1);
+    (!from_zero | above_nine | word) & all(0x80)
 }
 
 /// The f64 nearest to mantissa / 10^k, of which ties go to even, for a mantissa above 2^53 and k
@@ -175,6 +224,9 @@ mod tests {
             assert_eq!(short_float(text.as_bytes()), None, "{text}");
         }
         assert_eq!(short_float(b"1e5"), Some((1.0, 1)));
+        assert_eq!(short_float(b"12.5\xb01\xff. 3.5 4.5 5.5"), Some((12.5, 4)));
+        assert_eq!(short_float(b". 12345678901234567"), None);
+        assert_eq!(short_float(b"7/1.5 2.5 3.5 4.5 5.5"), Some((7.0, 1)));
     }
 
     #[test]
@@ -185,9 +237,13 @@ mod tests {
             (state ^ (state >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 1
         };
         for _ in 0..200_000 {
-            let digits = (random() % 10_000_000_000_000_000_000).to_string();
+            let digits = (random() % 10u64.pow(1 + (random() % 19) as u32)).to_string();
             let point = random() as usize % (digits.len() + 1);
-            must_be_nearest(&format!("{}.{}", &digits[..point], &digits[point..]));
+            let number = format!("{}.{}", &digits[..point], &digits[point..]);
+            must_be_nearest(&number);
+            // Numbers within a text are read 16 bytes at a time.
+            must_be_nearest(&format!("-{number} xxxxxxxxxxxxxxxx"));
+            must_be_nearest(&format!("{number}::::xxxxxxxxxxxxxxxx"));
         }
         for k in 1..=4 {
             let power = 10f64.powi(k as i32) as u64;

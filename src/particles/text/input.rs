@@ -1,5 +1,5 @@
 //! Text that is read forward, with its lines counted. A thread of its own reads and decompresses
-//! ahead.
+//! ahead, in blocks that end where a line does, so that they are parsed where they lie.
 
 use std::io::{self, Read};
 use std::path::PathBuf;
@@ -9,11 +9,15 @@ use std::thread;
 use crate::particles::source::Source;
 use crate::particles::trouble::{Outcome, Trouble, io_failure};
 
-/// Bytes of a block that is read ahead.
-const BLOCK_BYTES: usize = 4 << 20;
+/// Bytes of a block for each thread that parses it. Few blocks, used again and again, stay in the
+/// cache.
+const BLOCK_BYTES_PER_THREAD: usize = 1 << 19;
 
-/// Bytes that are parsed at a time, at least.
-const PARSED_BYTES: usize = 8 << 20;
+/// Least and greatest size of a block.
+const BLOCK_BYTES: [usize; 2] = [1 << 20, 8 << 20];
+
+/// Longest line of rows.
+const MAX_ROW_BYTES: usize = 8 << 20;
 
 /// Longest line of a header.
 const MAX_LINE_BYTES: usize = 1 << 20;
@@ -27,6 +31,7 @@ pub(in crate::particles) struct Input {
     blocks: Option<Receiver<io::Result<Vec<u8>>>>,
     /// Takes blocks back, whose memory is used again.
     used: Sender<Vec<u8>>,
+    /// Whole lines, unless the file ends within one or it is too long.
     buffer: Vec<u8>,
     start: usize,
     line: u64,
@@ -36,11 +41,14 @@ impl Input {
     /// Begins to read.
     pub(in crate::particles) fn new(source: Source) -> Self {
         let is_short = source.is_short();
-        let Source { path, head, rest, .. } = source;
+        let Source { path, head: mut buffer, rest, .. } = source;
         let (used, spare) = channel();
-        let blocks = (!is_short).then(|| read_ahead(rest, spare));
-        let start = if head.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        Self { path, blocks, used, buffer: head, start, line: 1 }
+        let start = if buffer.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let blocks = (!is_short).then(|| {
+            let begun = buffer.split_off(end_of_lines(&buffer).max(start));
+            read_ahead(begun, rest, spare)
+        });
+        Self { path, blocks, used, buffer, start, line: 1 }
     }
 
     /// Number of the next line; the first is 1.
@@ -75,10 +83,11 @@ impl Input {
         let mut searched = 0;
         loop {
             let rest = &self.buffer[self.start..];
-            if let Some(end) = memchr::memchr(b'\n', &rest[searched..]) {
-                return Ok(Some(self.start + searched + end));
+            let found = memchr::memchr(b'\n', &rest[searched..]);
+            searched += found.unwrap_or(rest.len() - searched);
+            if found.is_some() && searched <= MAX_LINE_BYTES {
+                return Ok(Some(self.start + searched));
             }
-            searched = rest.len();
             if searched > MAX_LINE_BYTES {
                 let message = format!("the line has more than {MAX_LINE_BYTES} bytes");
                 return Err(Trouble::at(self.line, message).into());
@@ -106,11 +115,6 @@ impl Input {
 
     /// The next whole lines, of which there are at most `most`, and their number; none at the end.
     pub(in crate::particles) fn peek_lines(&mut self, most: u64) -> Outcome<(&[u8], u64)> {
-        while self.buffer.len() - self.start < PARSED_BYTES {
-            if !self.fill()? {
-                break;
-            }
-        }
         let (lines, end) = self.find_lines(most)?;
         Ok((&self.buffer[self.start..end], lines))
     }
@@ -136,8 +140,8 @@ impl Input {
             if let Some((lines, end)) = whole_lines(rest, most) {
                 return Ok((lines, self.start + end));
             }
-            if rest.len() > PARSED_BYTES {
-                let message = format!("the line has more than {PARSED_BYTES} bytes");
+            if rest.len() > MAX_ROW_BYTES {
+                let message = format!("the line has more than {MAX_ROW_BYTES} bytes");
                 return Err(Trouble::at(self.line, message).into());
             }
             if !self.fill()? {
@@ -147,14 +151,19 @@ impl Input {
         }
     }
 
-    /// Adds a block to the buffer; false at the end of the text.
+    /// Adds a block to the buffer, or puts it in the place of lines that are done; false at the end
+    /// of the text.
     fn fill(&mut self) -> Outcome<bool> {
         let Some(blocks) = &self.blocks else { return Ok(false) };
         match blocks.recv() {
-            Ok(Ok(block)) => {
-                self.buffer.drain(..self.start);
+            Ok(Ok(mut block)) => {
+                if self.start == self.buffer.len() {
+                    std::mem::swap(&mut self.buffer, &mut block);
+                } else {
+                    self.buffer.drain(..self.start);
+                    self.buffer.extend_from_slice(&block);
+                }
                 self.start = 0;
-                self.buffer.extend_from_slice(&block);
                 // Nobody reads on after the last block.
                 let _ = self.used.send(block);
                 Ok(true)
@@ -189,30 +198,50 @@ fn trimmed(line: &[u8]) -> &[u8] {
     line.strip_suffix(b"\r").unwrap_or(line)
 }
 
-/// Reads blocks in a thread of its own, two ahead, growing from small ones.
+/// Where the last whole line ends.
+fn end_of_lines(text: &[u8]) -> usize {
+    memchr::memrchr(b'\n', text).map_or(0, |last| last + 1)
+}
+
+/// Reads blocks of whole lines in a thread of its own, two ahead. `begun` is the beginning of the
+/// first line.
 fn read_ahead(
+    mut begun: Vec<u8>,
     mut from: Box<dyn Read + Send>,
     spare: Receiver<Vec<u8>>,
 ) -> Receiver<io::Result<Vec<u8>>> {
+    let [least, most] = BLOCK_BYTES;
+    let size = (rayon::current_num_threads() * BLOCK_BYTES_PER_THREAD).clamp(least, most);
     let (sender, receiver) = sync_channel(2);
     let work = move || {
-        let mut size = BLOCK_BYTES / 16;
         loop {
             let mut block = spare.try_recv().unwrap_or_default();
             block.clear();
-            block.reserve(size);
-            let read = from.by_ref().take(size as u64).read_to_end(&mut block);
-            let is_last = block.len() < size;
-            let is_over = (!block.is_empty() && sender.send(Ok(block)).is_err()) || is_last;
-            if let Err(error) = read {
-                // Nobody listens any more.
-                let _ = sender.send(Err(error));
-                return;
+            block.append(&mut begun);
+            let read = loop {
+                block.reserve(size);
+                let read = from.by_ref().take(size as u64).read_to_end(&mut block);
+                let is_last = !matches!(read, Ok(count) if count == size);
+                let end = end_of_lines(&block);
+                if is_last || end == 0 && block.len() > MAX_ROW_BYTES {
+                    break read.map(|_| is_last);
+                }
+                if end > 0 {
+                    begun.extend_from_slice(&block[end..]);
+                    block.truncate(end);
+                    break Ok(false);
+                }
+            };
+            // Nobody may listen any more.
+            let is_heard = block.is_empty() || sender.send(Ok(block)).is_ok();
+            match read {
+                Ok(false) if is_heard => {}
+                Ok(_) => return,
+                Err(error) => {
+                    let _ = sender.send(Err(error));
+                    return;
+                }
             }
-            if is_over {
-                return;
-            }
-            size = (2 * size).min(BLOCK_BYTES);
         }
     };
     thread::spawn(work);

@@ -136,7 +136,6 @@ fn parse_piece(
     batch: &mut Batch,
 ) -> Result<u64, (u64, String)> {
     let (mut rest, mut lines) = (piece, 0);
-    batch.reserve(memchr::memchr_iter(b'\n', piece).count());
     while !rest.is_empty() {
         match parser.parse_quickly(rest, batch) {
             Some(length) => rest = &rest[length..],

@@ -1,36 +1,28 @@
 //! Rows of values between white space.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use crate::particles::trouble::{plural, shown};
-
 use super::batch::{Batch, Values};
 use super::decimal::{leading_digits, short_float};
 use super::fields::{FieldUse, Fields};
 use super::number::{float, tokens};
+use super::row_values::RowValues;
 use super::rows::LineParser;
 
 /// Parses rows of values between white space.
 pub(in crate::particles) struct SpacedRows {
-    uses: Vec<FieldUse>,
-    names: Vec<String>,
+    values: RowValues,
     /// Values up to here are parsed.
     last: usize,
     allows_more: bool,
     has_quotes: bool,
-    /// The value that should have been a number, after an error.
-    wrong: AtomicUsize,
 }
 
 impl SpacedRows {
     /// Parses these values; a row may have more if `allows_more`.
     pub(in crate::particles) fn new(fields: &Fields, allows_more: bool) -> Self {
-        let uses: Vec<_> = fields.0.iter().map(|field| field.is).collect();
-        let names = fields.0.iter().map(|field| field.name.clone()).collect();
+        let values = RowValues::new(fields);
         let is_used = |is: &FieldUse| *is != FieldUse::Skipped;
-        let last = uses.iter().rposition(is_used).map_or(0, |last| last + 1);
-        let wrong = AtomicUsize::new(usize::MAX);
-        Self { uses, names, last, allows_more, has_quotes: false, wrong }
+        let last = values.uses.iter().rposition(is_used).map_or(0, |last| last + 1);
+        Self { values, last, allows_more, has_quotes: false }
     }
 
     /// A value may be in single or double quotes, which end before white space.
@@ -52,38 +44,12 @@ impl SpacedRows {
 
     /// The value that should have been a number, after an error.
     pub(in crate::particles) fn wrong_field(&self) -> Option<usize> {
-        Some(self.wrong.load(Ordering::Relaxed)).filter(|&at| at != usize::MAX)
-    }
-
-    /// The names of all values from one on.
-    fn missing(&self, from: usize) -> String {
-        let names: Vec<&str> = self.names[from..].iter().take(6).map(|name| &**name).collect();
-        let more = if self.names.len() - from > 6 { " ..." } else { "" };
-        format!("{}{more}", names.join(" "))
+        self.values.wrong_field()
     }
 
     #[cold]
     fn wrong_count(&self, line: &[u8]) -> String {
-        let found = tokens(line).count();
-        let expected = plural(self.uses.len() as u64, "value");
-        if found < self.uses.len() {
-            let verb = if self.uses.len() - found == 1 { "is" } else { "are" };
-            format!("expected {expected}, found {found} ({} {verb} missing)", self.missing(found))
-        } else {
-            format!("expected {expected}, found {found}")
-        }
-    }
-
-    #[cold]
-    fn wrong_value(&self, at: usize, token: &[u8]) -> String {
-        let what = match self.uses[at] {
-            FieldUse::Position(_) => "a finite number",
-            _ => {
-                self.wrong.store(at, Ordering::Relaxed);
-                "a number"
-            }
-        };
-        format!("expected {what} for `{}`, found {}", self.names[at], shown(token))
+        self.values.wrong_count(tokens(line).count())
     }
 }
 
@@ -92,7 +58,7 @@ impl LineParser for SpacedRows {
         let mut rest = line;
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for (at, is) in self.uses[..self.last].iter().enumerate() {
+        for (at, is) in self.values.uses[..self.last].iter().enumerate() {
             let token = self.next(&mut rest);
             if token.is_empty() {
                 return Err(self.wrong_count(line));
@@ -106,10 +72,10 @@ impl LineParser for SpacedRows {
                 FieldUse::Column(_) => columns.next().is_some_and(|column| column.push(token)),
             };
             if !is_right {
-                return Err(self.wrong_value(at, token));
+                return Err(self.values.wrong_value(at, token));
             }
         }
-        for _ in self.last..self.uses.len() {
+        for _ in self.last..self.values.uses.len() {
             if self.next(&mut rest).is_empty() {
                 return Err(self.wrong_count(line));
             }
@@ -128,7 +94,7 @@ impl LineParser for SpacedRows {
         let mut at = 0;
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for is in &self.uses[..self.last] {
+        for is in &self.values.uses[..self.last] {
             at = skip_blanks(text, at);
             let rest = &text[at..];
             let length = match is {
@@ -145,7 +111,7 @@ impl LineParser for SpacedRows {
                 return None;
             }
         }
-        for _ in self.last..self.uses.len() {
+        for _ in self.last..self.values.uses.len() {
             at = skip_blanks(text, at);
             let length = token_length(&text[at..]);
             if length == 0 {

@@ -50,11 +50,6 @@ impl Words {
         code
     }
 
-    /// Makes room for more words.
-    pub(in crate::particles) fn reserve(&mut self, more: usize) {
-        self.words.codes.reserve(more);
-    }
-
     /// Forgets all words, and keeps the memory for as many.
     pub(in crate::particles) fn clear(&mut self) {
         self.words.codes.clear();

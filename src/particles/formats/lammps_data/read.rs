@@ -4,7 +4,7 @@ use crate::particles::budget::Budget;
 use crate::particles::column::{Column, ColumnData};
 use crate::particles::elements::symbol;
 use crate::particles::format::Format;
-use crate::particles::model::{Particles, Positions};
+use crate::particles::model::Particles;
 use crate::particles::request::{ColumnInfo, ColumnKind, ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{
@@ -45,23 +45,18 @@ pub(in crate::particles) fn read(source: Source, request: &ReadRequest) -> Outco
         let message = format!("expected {expected}, found {lines} and the end of the file");
         return Err(Trouble::at(input.line_number(), message).into());
     }
-    let column = |(name, data): (&str, crate::particles::text::Values)| Column {
-        name: name.to_owned(),
-        data: data.finish(),
-    };
-    let mut columns: Vec<Column> = fields.names().zip(batch.columns).map(column).collect();
+    let (positions, mut columns) = batch.finish(fields.names());
     let kinds = columns.iter().find(|column| column.name == "type");
     let made = kinds.map(|kinds| make_columns(&head, &kinds.data)).unwrap_or_default();
     columns.extend(made);
     columns.retain(|column| request.columns.has(&column.name));
-    batch.positions.shrink_to_fit();
     Ok(Particles {
         columns,
         cell: head.cell,
         title: head.title,
         first_line: Some(first_line),
         notes,
-        ..Particles::new(path, Format::LammpsData, Positions::F64(batch.positions))
+        ..Particles::new(path, Format::LammpsData, positions)
     })
 }
 

@@ -1,9 +1,8 @@
 //! Reads PDB and PQR files. Models are frames.
 
 use crate::particles::budget::Budget;
-use crate::particles::column::Column;
 use crate::particles::format::Format;
-use crate::particles::model::{Cell, LengthUnit, Particles, Positions};
+use crate::particles::model::{Cell, LengthUnit, Particles};
 use crate::particles::request::{ColumnInfo, ColumnKind, ReadRequest, Survey, Wanted};
 use crate::particles::source::Source;
 use crate::particles::text::{
@@ -53,20 +52,16 @@ pub(in crate::particles) fn read(
     let first_line = input.line_number();
     let end = Section::Until(end_of_model);
     let lines = read_rows(&mut input, &*parser, end, budget, &mut batch)?;
-    let is_dense = lines == batch.positions.len() as u64;
-    let column = |(at, data): (usize, crate::particles::text::Values)| Column {
-        name: names[at].to_owned(),
-        data: data.finish(),
-    };
-    batch.positions.shrink_to_fit();
+    let (positions, columns) = batch.finish(columns.iter().map(|&at| names[at]));
+    let is_dense = lines == positions.len() as u64;
     let mut particles = Particles {
-        columns: columns.into_iter().zip(batch.columns).map(column).collect(),
+        columns,
         cell: head.cell,
         frame,
         title: head.title,
         unit: Some(LengthUnit::Angstrom),
         first_line: is_dense.then_some(first_line),
-        ..Particles::new(path, Format::Pdb, Positions::F64(batch.positions))
+        ..Particles::new(path, Format::Pdb, positions)
     };
     keep_best(&mut particles, &ATOM);
     if request.columns != Wanted::All {

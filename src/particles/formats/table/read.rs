@@ -1,9 +1,8 @@
 //! Reads tables.
 
 use crate::particles::budget::Budget;
-use crate::particles::column::Column;
 use crate::particles::format::Format;
-use crate::particles::model::{Particles, Positions};
+use crate::particles::model::Particles;
 use crate::particles::request::{ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{
@@ -53,16 +52,12 @@ pub(in crate::particles) fn read(
         if batch.positions.is_empty() {
             return Err(Trouble::new("it has no rows").into());
         }
-        let is_dense = batch.positions.len() as u64 == lines;
-        let column = |(name, data): (&str, crate::particles::text::Values)| Column {
-            name: name.to_owned(),
-            data: data.finish(),
-        };
-        batch.positions.shrink_to_fit();
+        let (positions, columns) = batch.finish(fields.names());
+        let is_dense = positions.len() as u64 == lines;
         return Ok(Particles {
-            columns: fields.names().zip(batch.columns).map(column).collect(),
+            columns,
             first_line: is_dense.then_some(first_line),
-            ..Particles::new(path, format, Positions::F64(batch.positions))
+            ..Particles::new(path, format, positions)
         });
     }
 }

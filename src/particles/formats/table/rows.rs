@@ -1,20 +1,15 @@
 //! Rows of a table.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crate::particles::text::{
-    Batch, FieldUse, Fields, LineParser, float, float_with_comma, push_quickly, short_float,
+    Batch, FieldUse, Fields, LineParser, RowValues, float, float_with_comma, push_quickly,
+    short_float,
 };
-use crate::particles::trouble::{plural, shown};
 
 /// Parses rows with a delimiter. Empty lines and comments are left out.
 pub(super) struct DelimitedRows {
-    uses: Vec<FieldUse>,
-    names: Vec<String>,
+    values: RowValues,
     delimiter: u8,
     has_decimal_comma: bool,
-    /// The value that should have been a number, after an error.
-    wrong: AtomicUsize,
 }
 
 /// Parses rows of another kind. Empty lines and comments are left out.
@@ -45,18 +40,12 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
 
 impl DelimitedRows {
     pub(super) fn new(fields: &Fields, delimiter: u8, has_decimal_comma: bool) -> Self {
-        Self {
-            uses: fields.0.iter().map(|field| field.is).collect(),
-            names: fields.0.iter().map(|field| field.name.clone()).collect(),
-            delimiter,
-            has_decimal_comma,
-            wrong: AtomicUsize::new(usize::MAX),
-        }
+        Self { values: RowValues::new(fields), delimiter, has_decimal_comma }
     }
 
     /// The value that should have been a number, after an error.
     pub(super) fn wrong_field(&self) -> Option<usize> {
-        Some(self.wrong.load(Ordering::Relaxed)).filter(|&at| at != usize::MAX)
+        self.values.wrong_field()
     }
 
     fn number(&self, token: &[u8]) -> Option<f64> {
@@ -65,26 +54,7 @@ impl DelimitedRows {
 
     #[cold]
     fn wrong_count(&self, line: &[u8]) -> String {
-        let found = Cells::new(line, self.delimiter).count();
-        let expected = plural(self.uses.len() as u64, "value");
-        if found < self.uses.len() {
-            let missing = self.names[found..].iter().take(6).map(|name| &**name);
-            let missing = missing.collect::<Vec<_>>().join(" ");
-            return format!("expected {expected}, found {found} ({missing} missing)");
-        }
-        format!("expected {expected}, found {found}")
-    }
-
-    #[cold]
-    fn wrong_value(&self, at: usize, token: &[u8]) -> String {
-        let what = match self.uses[at] {
-            FieldUse::Position(_) => "a finite number",
-            _ => {
-                self.wrong.store(at, Ordering::Relaxed);
-                "a number"
-            }
-        };
-        format!("expected {what} for `{}`, found {}", self.names[at], shown(token))
+        self.values.wrong_count(Cells::new(line, self.delimiter).count())
     }
 }
 
@@ -96,7 +66,7 @@ impl LineParser for DelimitedRows {
         let mut cells = Cells::new(line, self.delimiter);
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for (at, is) in self.uses.iter().enumerate() {
+        for (at, is) in self.values.uses.iter().enumerate() {
             let Some(cell) = cells.next() else { return Err(self.wrong_count(line)) };
             let is_right = match is {
                 FieldUse::Skipped => true,
@@ -116,7 +86,7 @@ impl LineParser for DelimitedRows {
                 }),
             };
             if !is_right {
-                return Err(self.wrong_value(at, cell));
+                return Err(self.values.wrong_value(at, cell));
             }
         }
         if cells.next().is_some() {
@@ -138,7 +108,7 @@ impl LineParser for DelimitedRows {
         let mut at = 0;
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for (index, is) in self.uses.iter().enumerate() {
+        for (index, is) in self.values.uses.iter().enumerate() {
             if index > 0 {
                 at = skip_spaces(text, at);
                 if *text.get(at)? != self.delimiter {
