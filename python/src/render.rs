@@ -350,7 +350,8 @@ impl Drop for Render {
     }
 }
 
-/// Gives a render of particles the noise target of the command line, if no option says when to stop.
+/// Gives a render of particles the noise target of the command line, if no option says when to
+/// stop.
 fn until_good(
     py: Python<'_>,
     request: KeywordRender,

@@ -63,7 +63,8 @@ def test_an_interrupt_of_the_kernel_keeps_the_samples() -> None:
             "r = ps.spheres(xyz, radius=0.4).start(64, 48, spp=1 << 20)\n"
             "r.picture"
         )
-        assert output_of("print('waiting', flush=True); r.wait()").endswith("KeyboardInterrupt")
+        # IPython may fail to print the traceback that follows, at the end of which it says so again.
+        assert "KeyboardInterrupt" in output_of("print('waiting', flush=True); r.wait()")
         shown = output_of("r.stop(); print(r.reason, r.picture.spp > 0)")
         assert shown == "stopped True\n"
     finally:

@@ -14,7 +14,7 @@ use super::refraction::cross;
 use super::{albedo, emission, material};
 
 /// Steps of the scan for the edges of the emitter, and of a bisection to the last bit.
-const SCAN: usize = 2000;
+const SCAN: usize = 200;
 const STEPS: usize = 60;
 
 /// The emitter is behind a glass ball; derived in `scenes/verify/lamp-through-glass.toml`.
