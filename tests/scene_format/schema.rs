@@ -86,14 +86,9 @@ fn check(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
         let length = value.as_array().map(Vec::len).or(value.as_str().map(str::len));
         let is_right = match word.as_str() {
             "$schema" | "title" | "description" | "default" => true,
-            "type" => match rule.as_str().expect("one type") {
-                "object" => value.is_object(),
-                "array" => value.is_array(),
-                "string" => value.is_string(),
-                "boolean" => value.is_boolean(),
-                "integer" => value.is_i64() || value.is_u64(),
-                "number" => value.is_number(),
-                other => panic!("{other} is no type that is checked here"),
+            "type" => match rule.as_array() {
+                Some(types) => types.iter().any(|of_type| is_of_type(value, of_type)),
+                None => is_of_type(value, rule),
             },
             "const" => value == rule,
             "enum" => rule.as_array().expect("a list").contains(value),
@@ -127,6 +122,18 @@ fn check(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn is_of_type(value: &Value, name: &Value) -> bool {
+    match name.as_str().expect("the name of a type") {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "number" => value.is_number(),
+        other => panic!("{other} is no type that is checked here"),
+    }
 }
 
 fn check_properties(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
