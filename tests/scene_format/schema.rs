@@ -92,12 +92,13 @@ fn check(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
             },
             "const" => value == rule,
             "enum" => rule.as_array().expect("a list").contains(value),
-            "minimum" => x.is_some_and(|x| x >= number()),
-            "maximum" => x.is_some_and(|x| x <= number()),
-            "exclusiveMinimum" => x.is_some_and(|x| x > number()),
-            "exclusiveMaximum" => x.is_some_and(|x| x < number()),
-            "minItems" | "minLength" => length.is_some_and(|length| length as f64 >= number()),
-            "maxItems" | "maxLength" => length.is_some_and(|length| length as f64 <= number()),
+            // A limit of one type does not apply to values of others.
+            "minimum" => x.is_none_or(|x| x >= number()),
+            "maximum" => x.is_none_or(|x| x <= number()),
+            "exclusiveMinimum" => x.is_none_or(|x| x > number()),
+            "exclusiveMaximum" => x.is_none_or(|x| x < number()),
+            "minItems" | "minLength" => length.is_none_or(|length| length as f64 >= number()),
+            "maxItems" | "maxLength" => length.is_none_or(|length| length as f64 <= number()),
             "required" => {
                 let mut names = rule.as_array().expect("a list").iter();
                 names.all(|name| value.get(name.as_str().expect("a name")).is_some())
