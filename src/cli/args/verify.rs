@@ -33,7 +33,7 @@ is far over the limit, or fails again.
 
 The exit code is 1 if a check failed. Ctrl-C stops at once and writes no report.")]
 pub struct VerifyArgs {
-    /// Few samples: less than a minute on two cores
+    /// Few samples: about two minutes on two cores
     #[arg(long, conflicts_with = "full")]
     quick: bool,
 
