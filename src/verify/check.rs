@@ -45,14 +45,21 @@ pub enum CheckGroup {
     ChiSquare,
     /// Energy conservation and reciprocity of the materials.
     Materials,
+    /// Connections over polished balls against paths that find the same light by chance.
+    Connections,
     /// Whole renders against closed-form solutions.
     ClosedForms,
 }
 
 impl CheckGroup {
     /// All groups, in the order of a report.
-    pub const ALL: [Self; 4] =
-        [Self::Crosscheck, Self::ChiSquare, Self::Materials, Self::ClosedForms];
+    pub const ALL: [Self; 5] = [
+        Self::Crosscheck,
+        Self::ChiSquare,
+        Self::Materials,
+        Self::Connections,
+        Self::ClosedForms,
+    ];
 
     /// Returns the name shown to users.
     pub fn name(self) -> &'static str {
@@ -60,6 +67,7 @@ impl CheckGroup {
             Self::Crosscheck => "crosscheck",
             Self::ChiSquare => "chi-square",
             Self::Materials => "materials",
+            Self::Connections => "connections",
             Self::ClosedForms => "closed forms",
         }
     }

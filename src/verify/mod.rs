@@ -6,6 +6,7 @@ pub mod check;
 pub mod chi2;
 mod chi2_checks;
 pub mod closed_forms;
+mod connections;
 pub mod converge;
 pub mod crosscheck;
 mod double_double;

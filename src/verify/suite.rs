@@ -3,7 +3,7 @@
 use crate::accel::Backend;
 
 use super::check::{Check, Effort, split_significance};
-use super::{chi2_checks, closed_forms, intersector_checks, materials};
+use super::{chi2_checks, closed_forms, connections, intersector_checks, materials};
 
 /// Returns every check on every intersector of this build.
 pub fn all_checks(effort: Effort) -> Vec<Check> {
@@ -15,6 +15,7 @@ pub fn all_checks_on(effort: Effort, backends: &[Backend]) -> Vec<Check> {
     let mut checks = intersector_checks::checks(effort, backends);
     checks.extend(chi2_checks::checks(effort));
     checks.extend(materials::checks(effort));
+    checks.extend(connections::checks(effort, backends));
     checks.extend(closed_forms::checks(effort, backends));
     split_significance(&mut checks);
     checks

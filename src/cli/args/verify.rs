@@ -18,10 +18,11 @@ Examples:
   photosphere verify --full --accel native --report native.html
   photosphere verify --list --only glass
 
-There are four groups of checks, each against answers that are known without the renderer:
+There are five groups of checks, each against answers that are known without what is checked:
   crosscheck    every intersector against double-double arithmetic
   chi-square    every sampling routine against its pdf
   materials     energy conservation and reciprocity of every material
+  connections   light over polished balls in closed form, against chance
   closed forms  whole renders, for every estimator, sampler and intersector,
                 against answers derived on paper (docs/verification.md)
 

@@ -91,6 +91,7 @@ fn about(group: CheckGroup) -> &'static str {
         CheckGroup::Crosscheck => "Intersectors against double-double arithmetic",
         CheckGroup::ChiSquare => "Sampling routines against their pdfs",
         CheckGroup::Materials => "Energy conservation and reciprocity of the materials",
+        CheckGroup::Connections => "Connections over polished balls against chance",
         CheckGroup::ClosedForms => "Renders against closed-form solutions",
     }
 }
