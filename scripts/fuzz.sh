@@ -4,6 +4,7 @@
 #
 #     scripts/fuzz.sh 10m
 #     scripts/fuzz.sh 1h render scene
+#     FUZZ_RUNS=10000000 scripts/fuzz.sh 20m     a target also ends after so many executions
 #
 # Inputs that reach new code are kept in fuzz/corpus; findings are in fuzz/artifacts. Exits with 1 if
 # there is a finding.
@@ -53,15 +54,22 @@ fuzz() {
     local name=$1 corpora=("fuzz/corpus/$1" "fuzz/seeds/$1")
     mkdir -p "fuzz/corpus/$name" "fuzz/artifacts/$name"
     case $name in scene | render) corpora+=(scenes) ;; esac
-    RAYON_NUM_THREADS=1 TMPDIR=$temporary \
-        ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0:allocator_may_return_null=1:quarantine_size_mb=32 \
-        "$programs/$name" "${corpora[@]}" -max_total_time="$time" -print_final_stats=1 \
-        -artifact_prefix="fuzz/artifacts/$name/" -max_len="$(max_length "$name")" \
-        -timeout=60 -rss_limit_mb=2048 -print_funcs=0 -entropic_scale_per_exec_time=1 \
-        >"$logs/$name.log" 2>&1
+    local TIMEFORMAT='processor seconds: %U'
+    { time run_target "$name" "${corpora[@]}"; } >"$logs/$name.log" 2>&1
 }
 
-# One row for the log $2 of the target $1: executions, coverage, and when that last grew.
+run_target() {
+    local name=$1
+    RAYON_NUM_THREADS=1 TMPDIR=$temporary \
+        ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0:allocator_may_return_null=1:quarantine_size_mb=32 \
+        "$programs/$name" "${@:2}" -max_total_time="$time" -runs="${FUZZ_RUNS:--1}" \
+        -print_final_stats=1 \
+        -artifact_prefix="fuzz/artifacts/$name/" -max_len="$(max_length "$name")" \
+        -timeout=60 -rss_limit_mb=2048 -print_funcs=0 -entropic_scale_per_exec_time=1
+}
+
+# One row for the log $2 of the target $1: executions, minutes of a processor, coverage, and when that
+# last grew.
 summary() {
     awk -v name="$1" '
         /^#[0-9]+/ {
@@ -72,9 +80,10 @@ summary() {
         }
         /stat::number_of_executed_units/ { run = $2 }
         /Test unit written to/ { findings++ }
+        /^processor seconds: / { minutes = $3 / 60 }
         END {
-            printf "%-18s %12d runs  %6d edges, the last new one after %3.0f %%  %d findings\n",
-                name, run, coverage, 100 * grew / (run ? run : 1), findings
+            printf "%-22s %9d runs %5.1f min %6d edges, the last new one after %3.0f %%  %d findings\n",
+                name, run, minutes, coverage, 100 * grew / (run ? run : 1), findings
         }' "$2"
 }
 

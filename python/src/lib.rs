@@ -13,6 +13,7 @@ mod picture;
 mod pool;
 mod render;
 mod scene;
+mod thread;
 
 use std::ffi::OsString;
 

@@ -53,13 +53,8 @@ pub enum CheckGroup {
 
 impl CheckGroup {
     /// All groups, in the order of a report.
-    pub const ALL: [Self; 5] = [
-        Self::Crosscheck,
-        Self::ChiSquare,
-        Self::Materials,
-        Self::Connections,
-        Self::ClosedForms,
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::Crosscheck, Self::ChiSquare, Self::Materials, Self::Connections, Self::ClosedForms];
 
     /// Returns the name shown to users.
     pub fn name(self) -> &'static str {
