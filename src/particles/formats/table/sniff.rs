@@ -49,6 +49,10 @@ pub(super) fn sniff(
     let delimiter = delimiter(&filled);
     let split = |line| split(line, delimiter);
     let count = split(first).len();
+    if count == 0 {
+        // Control characters part values, too.
+        return Err(Trouble::at(first_at, "the first row has no values"));
+    }
     if count > MAX_COLUMNS {
         let message = format!("it has {count} columns, more than {MAX_COLUMNS}");
         return Err(Trouble::at(first_at, message));
