@@ -40,6 +40,12 @@ pub(super) fn connection(depth: u32, n: u32) -> u32 {
     32u32.wrapping_mul(depth).wrapping_add((7 << 29) + 4 * n)
 }
 
+/// The choice of a light for a ball that was chosen from many, of the vertex at the end of edge
+/// `depth`. One pair is connected then, so that the second one's dimensions are free.
+pub(super) fn connection_light(depth: u32) -> u32 {
+    connection(depth, 1)
+}
+
 /// The dimensions of the vertex at the end of edge `depth`, counted from 1.
 #[derive(Clone, Copy)]
 pub(super) struct VertexDimensions {

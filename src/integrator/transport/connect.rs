@@ -4,8 +4,10 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::specular::{CasterPair, CasterPairs, Connection, PairSampler, SpecularPath};
-use crate::light::{ConnectedPoint, LightSource};
+use crate::light::specular::{
+    CasterPair, ConnectedLight, Connection, PairSampler, RootLanes, SpecularPath,
+};
+use crate::light::{ConnectedPoint, LightSource, Lights};
 use crate::material::{Medium, MediumStack, fresnel};
 use crate::math::{DVec3, NO_SPHERE};
 use crate::sampling::Hemisphere;
@@ -15,6 +17,7 @@ use super::super::trace::{PathEvent, PathRecorder};
 use super::batch::PathBatch;
 use super::next_event::Scattering;
 use super::paths::{PathState, PendingDirect, ShadowQueue};
+use super::vertex::VertexNumbers;
 use super::weight::light_weight;
 
 /// The most legs of a connection.
@@ -39,46 +42,101 @@ struct PairLight<'a> {
     number: u8,
 }
 
+/// What a vertex is connected with: a pair, by paths of these kinds.
+pub(super) struct PairSite<'a> {
+    pub(super) pairs: &'a PairSampler,
+    pub(super) pair: &'a CasterPair,
+    /// The ball that the vertex is in, by its index.
+    pub(super) inside: Option<u32>,
+    kinds: &'static [SpecularPath],
+    x: DVec3,
+    /// Edges that are left.
+    room: u32,
+}
+
+impl PairSite<'_> {
+    /// The ball, and its index of refraction, which reflection does not use.
+    fn ball(&self) -> (&Sphere, f64) {
+        let (casters, caster) = (self.pairs.casters(), self.pair.caster);
+        (&casters.all()[caster as usize].ball, casters.ior(caster).unwrap_or(1.0))
+    }
+
+    /// The kinds for which edges are left, in order.
+    fn kinds(&self) -> impl Iterator<Item = SpecularPath> + '_ {
+        self.kinds.iter().copied().filter(|kind| kind.edges() <= self.room)
+    }
+
+    /// Draws a point of the light by `u`, and hands `found` every connection to it. Returns false
+    /// if the light does not face the ball.
+    pub(super) fn connect(
+        &self,
+        lights: &Lights,
+        u: [f64; 2],
+        mut found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
+    ) -> bool {
+        let Some(point) = lights.sample_connected_point(self.pairs, self.pair, self.x, u) else {
+            return false;
+        };
+        let (ball, ior) = self.ball();
+        for kind in self.kinds() {
+            kind.connect_each(ball, ior, self.x, point.target, |connection| {
+                found(&point, kind, &connection);
+            });
+        }
+        true
+    }
+
+    /// As [`Self::connect`], with a point and roots that a lane found.
+    pub(super) fn connect_lane(
+        &self,
+        point: &ConnectedPoint,
+        (roots, lane): (&[RootLanes], usize),
+        mut found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
+    ) {
+        let ends = (self.x, point.target);
+        // The filter of kinds leaves out the last ones.
+        for (kind, roots) in self.kinds().zip(roots) {
+            kind.connect_lane(self.ball(), ends, (roots, lane), |connection| {
+                found(point, kind, &connection);
+            });
+        }
+    }
+}
+
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Adds the shadow rays of all connections that can contribute at a vertex. `choose` returns
-    /// the pairs to connect, given the ball that the vertex is in.
+    /// Adds the shadow rays of all connections that can contribute at a vertex.
     #[inline(never)]
     pub(super) fn add_connections(
         &mut self,
         state: &PathState,
         scattering: &Scattering<'_>,
-        choose: impl FnOnce(&PairSampler, Option<u32>) -> CasterPairs,
+        numbers: &impl VertexNumbers,
         shadow_queue: &mut ShadowQueue<'_>,
     ) {
         let Some(pairs) = self.context.prepared.connections() else { return };
         let Some(inside) = self.connection_place(pairs, state) else { return };
         let room = self.integrator.max_depth - state.depth;
-        let (sampler, x) = (self.sampler(state), scattering.ctx.hit.point);
+        let sampler = self.sampler(state);
         let lights = self.context.prepared.lights();
         let mut number = 0;
-        for pair in choose(pairs, inside).iter() {
-            let kinds = pairs.kinds(pair.caster, inside.is_some(), pair.light);
+        let hit = &scattering.ctx.hit;
+        let u_light = || sampler.get(dimension::connection_light(state.depth));
+        for pair in numbers.choose_pairs(pairs, scattering.ctx, inside, u_light).iter() {
+            let of = (pair.caster, pair.light);
+            let kinds = connected_kinds(pairs, of, inside, (hit.point, hit.facing_normal()));
             if kinds.is_empty() {
                 continue;
             }
             let caster = &pairs.casters().all()[pair.caster as usize];
-            // All of the ball is below the horizon.
-            let height = (caster.ball.center - x).dot(scattering.ctx.hit.facing_normal());
-            if inside.is_none() && height <= -caster.ball.radius {
-                continue;
-            }
-            let u = sampler.get_2d(dimension::connection(state.depth, pair.n));
-            let Some(point) = lights.sample_connected_point(pairs, &pair, x, u) else { continue };
-            self.stats.connections += 1;
-            let ior = pairs.casters().ior(pair.caster).unwrap_or(1.0);
-            for &kind in kinds.iter().filter(|kind| kind.edges() <= room) {
-                kind.connect_each(&caster.ball, ior, x, point.target, |connection| {
-                    number += 1;
-                    let light = PairLight { pair: &pair, point: &point, kind, number };
-                    let legs = BallLegs::new(caster.id, &caster.ball);
-                    self.add_connection(state, scattering, &light, legs, &connection, shadow_queue);
-                });
-            }
+            let site = PairSite { pairs, pair: &pair, inside, kinds, x: hit.point, room };
+            let u = || sampler.get_2d(dimension::connection(state.depth, pair.n));
+            let has_light = numbers.connect(lights, &site, u, |point, kind, connection| {
+                number += 1;
+                let light = PairLight { pair: &pair, point, kind, number };
+                let legs = BallLegs::new(caster.id, &caster.ball);
+                self.add_connection(state, scattering, &light, legs, connection, shadow_queue);
+            });
+            self.stats.connections += u64::from(has_light);
         }
     }
 
@@ -250,4 +308,19 @@ impl<'a> BallLegs<'a> {
         let Sphere { center, radius } = *self.ball;
         SurfaceHit { id: self.id, t: 0.0, point, normal: (point - center) / radius, radius, side }
     }
+}
+
+/// Returns the kinds of connections over the ball of a pair from a point with this normal: none if
+/// all of the ball is below its horizon.
+pub(super) fn connected_kinds(
+    pairs: &PairSampler,
+    (caster, light): (u32, ConnectedLight),
+    inside: Option<u32>,
+    (x, normal): (DVec3, DVec3),
+) -> &'static [SpecularPath] {
+    let ball = &pairs.casters().all()[caster as usize].ball;
+    if inside.is_none() && (ball.center - x).dot(normal) <= -ball.radius {
+        return &[];
+    }
+    pairs.kinds(caster, inside.is_some(), light)
 }

@@ -3,7 +3,6 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::specular::PairSampler;
 use crate::light::{CategoryPmf, LightSampleContext, LightSource};
 use crate::material::Lobe;
 use crate::math::{Frame, renormalize};
@@ -188,8 +187,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             if let Some(light) = light {
                 self.add_light_sample(state, &scattering, light, shadow_queue);
             }
-            let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, &ctx, inside);
-            self.add_connections(state, &scattering, choose, shadow_queue);
+            self.add_connections(state, &scattering, numbers, shadow_queue);
         }
         let u = numbers.direction();
         let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };

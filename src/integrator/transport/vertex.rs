@@ -1,8 +1,8 @@
 //! A vertex of a path, and the random numbers that decide what happens there.
 
 use crate::geometry::SurfaceHit;
-use crate::light::specular::{CasterPairs, PairSampler};
-use crate::light::{CategoryPmf, LightSample, LightSampleContext};
+use crate::light::specular::{CasterPairs, Connection, PairSampler, SpecularPath};
+use crate::light::{CategoryPmf, ConnectedPoint, LightSample, LightSampleContext, Lights};
 use crate::material::Crossing;
 use crate::math::DVec3;
 use crate::sampling::Sampler;
@@ -10,6 +10,7 @@ use crate::scene::SphereMaterial;
 
 use super::super::context::RenderContext;
 use super::super::dimension::VertexDimensions;
+use super::connect::PairSite;
 
 /// A path's vertex on a surface.
 pub(super) struct SurfaceVertex<'a> {
@@ -32,13 +33,25 @@ pub(super) trait VertexNumbers {
         ctx: &LightSampleContext,
     ) -> (CategoryPmf, Option<LightSample>);
     /// Chooses the pairs of a polished ball and a light to connect, of all or of those of the ball
-    /// `inside` which the vertex is.
+    /// `inside` which the vertex is. `u_light` selects among many lights.
     fn choose_pairs(
         &self,
         pairs: &PairSampler,
         ctx: &LightSampleContext,
         inside: Option<u32>,
+        u_light: impl FnOnce() -> f64,
     ) -> CasterPairs;
+    /// Connects the vertex with a pair by `u`, and hands `found` every connection. Returns false if
+    /// the light does not face the ball.
+    fn connect(
+        &self,
+        lights: &Lights,
+        site: &PairSite<'_>,
+        u: impl FnOnce() -> [f64; 2],
+        found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
+    ) -> bool {
+        site.connect(lights, u(), found)
+    }
     /// Two numbers for the BSDF's direction.
     fn direction(&self) -> [f64; 2];
     /// For the selection of the BSDF's lobe.
@@ -68,8 +81,9 @@ impl VertexNumbers for (Sampler, VertexDimensions) {
         pairs: &PairSampler,
         ctx: &LightSampleContext,
         inside: Option<u32>,
+        u_light: impl FnOnce() -> f64,
     ) -> CasterPairs {
-        pairs.sample(ctx, inside, self.0.get_2d(self.1.connection_choice()))
+        pairs.sample(ctx, inside, self.0.get_2d(self.1.connection_choice()), u_light)
     }
 
     fn direction(&self) -> [f64; 2] {

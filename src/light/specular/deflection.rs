@@ -1,5 +1,4 @@
-//! The angle by which a ball deflects a ray, as a function of where the ray meets it, and its
-//! roots.
+//! The angle by which a ball deflects a ray, as a function of where the ray meets it.
 //!
 //! For every kind of connection this angle is `psi = sum w_j asin(m_j s)`, where `s` in `[0, 1]` is
 //! proportional to the ray's distance `h` from the centre, the ratios `m_j` are at most 1, and one
@@ -11,12 +10,8 @@ use super::phase::Phase;
 
 /// Number of angles in the sum.
 const TERMS: usize = 4;
-/// Steps of Newton's method that a root may take before each second one is a bisection, and in
-/// all. Of 1.5 million roots over all scales, the mean is 3.4 and the maximum 12.
-const MAX_NEWTON: usize = 16;
-const MAX_STEPS: usize = 80;
 /// Steps to the stationary point, of which random configurations need at most 13.
-const MAX_STATIONARY_STEPS: usize = 24;
+pub(super) const MAX_STATIONARY_STEPS: usize = 24;
 
 /// `sin v` up to which a ray is on the axis: there, `theta` and the angle at x are proportional up
 /// to the square of this, and both are too small for a direction to tell.
@@ -61,6 +56,27 @@ pub(super) struct Evaluation {
     cosines: [f64; TERMS],
 }
 
+/// A term of the sum at one `w`.
+#[derive(Clone, Copy)]
+struct Term {
+    sin: f64,
+    cos: f64,
+    /// Its part of `d psi / d v`.
+    slope: f64,
+    /// Half of its angle.
+    half: Phase,
+}
+
+/// The search for the stationary point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StationaryPoint {
+    /// `cos v`.
+    pub(super) u: f64,
+    /// Sum of the weights of the terms with `m_j = 1`.
+    pub(super) largest: f64,
+    pub(super) is_found: bool,
+}
+
 impl Evaluation {
     pub(super) fn sin(&self, angle: Angle) -> f64 {
         self.sines[angle as usize]
@@ -68,20 +84,6 @@ impl Evaluation {
 
     pub(super) fn cos(&self, angle: Angle) -> f64 {
         self.cosines[angle as usize]
-    }
-}
-
-/// An interval of `w` in which `psi` is monotone, with half of `psi` at its ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
-    ends: [f64; 2],
-    halves: [Phase; 2],
-}
-
-impl Branch {
-    /// Half of `psi` at both ends.
-    pub(super) fn halves(&self) -> [Phase; 2] {
-        self.halves
     }
 }
 
@@ -115,22 +117,36 @@ impl Deflection {
         let per_square = 1.0 / (1.0 + w * w);
         let sin_v = 2.0 * w * per_square;
         let cos_v = (1.0 - w) * (1.0 + w) * per_square;
-        let (mut sines, mut cosines) = ([0.0; TERMS], [1.0; TERMS]);
-        let (mut half, mut slope) = (Phase::of(1.0, 0.0), 0.0);
-        for j in 0..TERMS {
-            if self.weights[j] == 0 {
-                continue;
-            }
-            // cos^2 = 1 - m^2 s^2 = cos^2 v + (1 - m^2) s^2, without cancellation.
-            let sin = self.ratios[j] * sin_v;
-            let cos = (cos_v * cos_v + self.rests[j] * sin_v * sin_v).sqrt();
-            (sines[j], cosines[j]) = (sin, cos);
-            let weight = self.weights[j];
-            let per_cos = if cos > 0.0 { cos_v / cos } else { 1.0 };
-            slope += f64::from(weight) * self.ratios[j] * per_cos;
-            half = half * half_term(weight, cos, sin);
+        // Written out, since loops over the terms would not become vector instructions.
+        let terms = [
+            self.term(0, sin_v, cos_v),
+            self.term(1, sin_v, cos_v),
+            self.term(2, sin_v, cos_v),
+            self.term(3, sin_v, cos_v),
+        ];
+        let first = terms[0].half * terms[1].half * terms[2].half;
+        Evaluation {
+            half: if self.weights[3] == 0 { first } else { first * terms[3].half },
+            slope: terms[0].slope + terms[1].slope + terms[2].slope + terms[3].slope,
+            sin_v,
+            cos_v,
+            sines: terms.map(|term| term.sin),
+            cosines: terms.map(|term| term.cos),
         }
-        Evaluation { half, slope, sin_v, cos_v, sines, cosines }
+    }
+
+    #[inline(always)]
+    fn term(&self, j: usize, sin_v: f64, cos_v: f64) -> Term {
+        let (weight, m) = (self.weights[j], self.ratios[j]);
+        if weight == 0 {
+            return Term { sin: 0.0, cos: 1.0, slope: 0.0, half: Phase::of(1.0, 0.0) };
+        }
+        // cos^2 = 1 - m^2 s^2 = cos^2 v + (1 - m^2) s^2, without cancellation.
+        let sin = m * sin_v;
+        let cos = (cos_v * cos_v + self.rests[j] * sin_v * sin_v).sqrt();
+        let per_cos = if cos > 0.0 { cos_v / cos } else { 1.0 };
+        let slope = f64::from(weight) * m * per_cos;
+        Term { sin, cos, slope, half: half_term(weight, cos, sin) }
     }
 
     /// Evaluates the sum where the sine of one of its angles is known.
@@ -140,125 +156,71 @@ impl Deflection {
         self.eval(s / (1.0 + ((1.0 - s) * (1.0 + s)).sqrt()))
     }
 
-    /// Splits `[0, 1]` into the intervals in which `psi` is monotone: one, or two (the second
-    /// absent if empty).
+    /// Returns the `w` in `(0, 1)` where `psi` is stationary, if there is one.
     #[inline(always)]
-    pub(super) fn branches(&self) -> [Option<Branch>; 2] {
-        let [start, end] = [Phase::of(1.0, 0.0), self.eval(1.0).half];
-        match self.stationary() {
-            None => [Some(Branch { ends: [0.0, 1.0], halves: [start, end] }), None],
-            Some(w) => {
-                let fold = self.eval(w).half;
-                [
-                    Some(Branch { ends: [0.0, w], halves: [start, fold] }),
-                    Some(Branch { ends: [w, 1.0], halves: [fold, end] }),
-                ]
+    pub(super) fn stationary(&self) -> Option<f64> {
+        let mut point = self.start_stationary()?;
+        for _ in 0..MAX_STATIONARY_STEPS {
+            self.step_to_stationary(&mut point);
+            if point.is_found {
+                break;
             }
         }
+        let w = point.w();
+        (w > 0.0 && w < 1.0).then_some(w)
     }
 
-    /// Returns the `w` in `(0, 1)` where `psi` is stationary, if there is one.
+    /// Returns where the search for the stationary point starts; `None` if there is none.
     ///
     /// With `u = cos v`, `d psi / d v = w_0 + sum w_j m_j g_j(u)` over the terms with `m_j < 1`,
     /// where `g_j = u / sqrt(m_j^2 u^2 + 1 - m_j^2)` grows from 0 to 1 and is concave. Wherever it
     /// has a zero, `w_0` is positive and all other weights are negative: it is convex and falls, so
     /// it has at most one, which Newton's method approaches from smaller `u` without overshooting.
     #[inline(always)]
-    fn stationary(&self) -> Option<f64> {
-        let at_zero: f64 = (0..TERMS).map(|j| f64::from(self.weights[j]) * self.ratios[j]).sum();
-        let largest: f64 =
-            (0..TERMS).filter(|&j| self.rests[j] == 0.0).map(|j| f64::from(self.weights[j])).sum();
-        if at_zero >= 0.0 || largest <= 0.0 {
-            return None;
-        }
-        // Because g_j <= u / sqrt(1 - m_j^2), this is below the root.
-        let steepest: f64 = (0..TERMS)
-            .filter(|&j| self.rests[j] > 0.0)
-            .map(|j| -f64::from(self.weights[j]) * self.ratios[j] / self.rests[j].sqrt())
-            .sum();
-        let mut u = (largest / steepest).min(1.0);
-        for _ in 0..MAX_STATIONARY_STEPS {
-            let (mut value, mut derivative) = (largest, 0.0);
-            for j in 0..TERMS {
-                if self.rests[j] > 0.0 {
-                    let (m, rest) = (self.ratios[j], self.rests[j]);
-                    let per_square = 1.0 / (m * m * u * u + rest);
-                    let per_root = per_square.sqrt();
-                    let factor = f64::from(self.weights[j]) * m * per_root;
-                    value += factor * u;
-                    derivative += factor * rest * per_square;
-                }
-            }
-            let step = value / derivative;
-            u = (u - step).min(1.0);
-            if step.abs() <= 1e-13 * u {
-                break;
-            }
-        }
-        let w = ((1.0 - u) / (1.0 + u)).max(0.0).sqrt();
-        (w > 0.0 && w < 1.0).then_some(w)
+    pub(super) fn start_stationary(&self) -> Option<StationaryPoint> {
+        let at_zero = self.sum(|weight, m, _| weight * m);
+        let largest = self.sum(|weight, _, rest| if rest == 0.0 { weight } else { 0.0 });
+        // Because g_j <= u / sqrt(1 - m_j^2), the quotient below is smaller than the root.
+        let steepest = |weight: f64, m: f64, rest: f64| -weight * m / rest.sqrt();
+        let steepest = self.sum(|w, m, rest| if rest > 0.0 { steepest(w, m, rest) } else { 0.0 });
+        let u = (largest / steepest).min(1.0);
+        let exists = (at_zero < 0.0) & (largest > 0.0);
+        exists.then_some(StationaryPoint { u, largest, is_found: false })
     }
 
-    /// Returns the root of `psi = target` in a branch; `half_target` is half of the target,
-    /// negative. The difference of `psi` and the target must stay within 2 pi.
+    /// Sums up a function of `w_j`, `m_j` and `1 - m_j^2` over the terms with a weight.
     #[inline(always)]
-    pub(super) fn root(&self, branch: &Branch, half_target: Phase) -> Option<Evaluation> {
-        let [low, high] = branch.halves.map(|half| half * half_target);
-        if (low.im < 0.0) == (high.im < 0.0) {
-            return None;
-        }
-        Some(self.find(branch.ends, [low, high], half_target))
+    fn sum(&self, f: impl Fn(f64, f64, f64) -> f64) -> f64 {
+        let of = |j: usize| f(f64::from(self.weights[j]), self.ratios[j], self.rests[j]);
+        let first = of(0) + of(1) + of(2);
+        if self.weights[3] == 0 { first } else { first + of(3) }
     }
 
-    /// Newton's method within a shrinking bracket, from where a parabola with its vertex at the
-    /// fold would have its root.
+    /// Takes a step of Newton's method.
     #[inline(always)]
-    fn find(&self, ends: [f64; 2], halves: [Phase; 2], half_target: Phase) -> Evaluation {
-        let [mut low, mut high] = ends;
-        let fold = if low > 0.0 {
-            low
-        } else if high < 1.0 {
-            high
-        } else {
-            f64::INFINITY
+    pub(super) fn step_to_stationary(&self, point: &mut StationaryPoint) {
+        let u = point.u;
+        let per_square = |m: f64, rest: f64| 1.0 / (m * m * u * u + rest);
+        let factor = |weight: f64, m: f64, rest: f64| {
+            if rest > 0.0 { weight * m * per_square(m, rest).sqrt() } else { 0.0 }
         };
-        let is_rising = halves[0].im < 0.0;
-        let mut w = self.guess(ends, halves);
-        for step in 0..MAX_STEPS {
-            let found = self.eval(w);
-            let difference = found.half * half_target;
-            if (difference.im < 0.0) == is_rising {
-                low = w
-            } else {
-                high = w
-            }
-            let per_slope = 0.5 * (1.0 + w * w) / found.slope;
-            let change = -2.0 * difference.approximate_angle() * per_slope;
-            let next = w + change;
-            // Newton's error is about the square of the step over the distance to the fold.
-            let scale = f64::min(w, (w - fold).abs());
-            if change * change <= 1e-16 * w * scale || high - low <= f64::EPSILON * high {
-                w = next.clamp(ends[0], ends[1]);
-                break;
-            }
-            let is_slow = step > MAX_NEWTON && step % 2 == 1;
-            w = if next > low && next < high && !is_slow { next } else { 0.5 * (low + high) };
-        }
-        self.eval(w)
+        let value = point.largest + self.sum(|weight, m, rest| factor(weight, m, rest) * u);
+        let derivative =
+            self.sum(|weight, m, rest| factor(weight, m, rest) * rest * per_square(m, rest));
+        let step = value / derivative;
+        point.u = (u - step).min(1.0);
+        point.is_found = step.abs() <= 1e-13 * point.u;
     }
+}
 
+impl StationaryPoint {
+    /// No point: `w` is 0.
+    pub(super) const NONE: Self = Self { u: 1.0, largest: 0.0, is_found: true };
+
+    /// Returns `w` there.
     #[inline(always)]
-    fn guess(&self, [low, high]: [f64; 2], halves: [Phase; 2]) -> f64 {
-        let [at_low, at_high] = halves.map(|half| half.approximate_angle().abs());
-        let total = (at_low + at_high).max(f64::MIN_POSITIVE);
-        let share = if low > 0.0 {
-            (at_low / total).sqrt()
-        } else if high < 1.0 {
-            1.0 - (at_high / total).sqrt()
-        } else {
-            at_low / total
-        };
-        low + share * (high - low)
+    pub(super) fn w(&self) -> f64 {
+        ((1.0 - self.u) / (1.0 + self.u)).max(0.0).sqrt()
     }
 }
 

@@ -61,14 +61,13 @@ impl PairTrees {
         Self { casters: LightTree::new(items), emitters, lit }
     }
 
-    /// Chooses a pair by `u` in `[0, 1)`.
+    /// Chooses a ball by `u` and a light by `u_light`, both in `[0, 1)`.
     pub(super) fn sample(
         &self,
         ctx: &LightSampleContext,
         inside: Option<u32>,
-        u: f64,
+        [u, u_light]: [f64; 2],
     ) -> Option<CasterPair> {
-        let (u, u_light) = split(u);
         let (caster, of_caster) = match inside {
             Some(caster) => (caster, 1.0),
             None => self.casters.sample(ctx, u)?,
@@ -107,12 +106,4 @@ impl PairTrees {
         };
         of_caster * of_light
     }
-}
-
-/// Two numbers in `[0, 1)` from the upper and the lower bits of one.
-fn split(u: f64) -> (f64, f64) {
-    const PARTS: f64 = (1u64 << 26) as f64;
-    let scaled = u * PARTS;
-    let upper = scaled.floor();
-    (upper / PARTS, scaled - upper)
 }

@@ -184,10 +184,7 @@ impl PairSampler {
     }
 
     /// All pairs in order, or those of one ball.
-    pub(super) fn pairs(
-        &self,
-        inside: Option<u32>,
-    ) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
+    pub fn pairs(&self, inside: Option<u32>) -> impl Iterator<Item = (u32, ConnectedLight)> + '_ {
         let casters = match inside {
             Some(caster) => caster..caster + 1,
             None => 0..self.casters.all().len() as u32,
@@ -201,14 +198,17 @@ impl PairSampler {
         self.pair_count() > MAX_PAIRS
     }
 
-    /// Chooses pairs by two numbers in `[0, 1)`: `u` selects one of many pairs, `u_worth` decides
-    /// whether a pair is worth a connection. `inside` is the ball that the shading point is inside
-    /// of, whose pairs are then the only ones.
+    /// Chooses pairs by numbers in `[0, 1)`: `u` selects one of many pairs, `u_worth` decides
+    /// whether a pair is worth a connection, and `u_light` gives the number that selects the light
+    /// where there are so many pairs that the ball is selected first: numbers of a sequence have 32
+    /// bits, too few to be split. `inside` is the ball that the shading point is inside of, whose
+    /// pairs are then the only ones.
     pub fn sample(
         &self,
         ctx: &LightSampleContext,
         inside: Option<u32>,
         [u, u_worth]: [f64; 2],
+        u_light: impl FnOnce() -> f64,
     ) -> CasterPairs {
         let mut chosen = CasterPairs::default();
         if !self.needs_choice() {
@@ -223,7 +223,7 @@ impl PairSampler {
             return chosen;
         }
         let pair = match &self.trees {
-            Some(trees) => trees.sample(ctx, inside, u),
+            Some(trees) => trees.sample(ctx, inside, [u, u_light()]),
             None => self.sample_few(ctx, inside, u),
         };
         chosen.list[0] = pair.and_then(|pair| {

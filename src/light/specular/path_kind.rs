@@ -5,8 +5,11 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::connection::{Connection, Connections};
+use super::lanes::RootLanes;
 use super::plane::{Plane, Target};
-use super::{boundary, reflection, through};
+use super::reflection::{self, Reflection};
+use super::through::{self, Through};
+use super::{boundary, equation};
 
 /// A kind of path from x over one ball to y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,19 +57,13 @@ impl SpecularPath {
         ior: f64,
         x: DVec3,
         y: Target,
-        mut found: impl FnMut(Connection),
+        found: impl FnMut(Connection),
     ) {
-        let mut count = 0;
-        let found = |connection| {
-            count += 1;
-            if count == 1 || !fault!(ConnectionRootMissing) {
-                found(connection);
-            }
-        };
+        let found = all_roots(found);
         match self {
-            Self::Reflection => reflection::connect(ball, x, y).into_iter().for_each(found),
-            Self::Through => through::connect(ball, ior, 0, (x, y), found),
-            Self::ThroughReflected => through::connect(ball, ior, 1, (x, y), found),
+            Self::Reflection => equation::connect::<Reflection>(ball, ior, (x, y), found),
+            Self::Through => equation::connect::<Through<0>>(ball, ior, (x, y), found),
+            Self::ThroughReflected => equation::connect::<Through<1>>(ball, ior, (x, y), found),
             Self::Outward => boundary::connect_outward(ball, ior, (x, y), found),
             Self::Inward => {
                 if let Target::Point(y) = y {
@@ -74,6 +71,23 @@ impl SpecularPath {
                 }
             }
         }
+    }
+
+    /// As [`Self::connect_each`], with the roots that a lane found.
+    #[inline]
+    pub fn connect_lane(
+        self,
+        (ball, ior): (&Sphere, f64),
+        ends: (DVec3, Target),
+        (roots, lane): (&RootLanes, usize),
+        found: impl FnMut(Connection),
+    ) {
+        let of_root = |root| match self {
+            Self::Through => equation::connection_of::<Through<0>>(ball, ior, ends, root),
+            Self::ThroughReflected => equation::connection_of::<Through<1>>(ball, ior, ends, root),
+            _ => equation::connection_of::<Reflection>(ball, ior, ends, root),
+        };
+        roots.of_lane(lane).map(of_root).for_each(all_roots(found));
     }
 
     /// Returns the spread of one path of this kind that was found by other means, such as by
@@ -89,8 +103,8 @@ impl SpecularPath {
         let sin_at_x = || plane.x_axis.cross(direction_at_x).length();
         match self {
             Self::Reflection => reflection::spread(&plane, sin_at_x()),
-            Self::Through => through::spread(&plane, ior, 0, sin_at_x()),
-            Self::ThroughReflected => through::spread(&plane, ior, 1, sin_at_x()),
+            Self::Through => through::spread::<0>(&plane, ior, sin_at_x()),
+            Self::ThroughReflected => through::spread::<1>(&plane, ior, sin_at_x()),
             Self::Outward => {
                 let cos = plane.x_axis.dot(direction_at_x);
                 boundary::outward_spread(&plane, ior, [cos, sin_at_x()])
@@ -125,6 +139,18 @@ impl SpecularPath {
             Self::Outward => ior * ior,
             Self::Inward => 1.0 / (ior * ior),
             _ => 1.0,
+        }
+    }
+}
+
+/// Hands on every connection, unless a fault is seeded.
+#[inline(always)]
+fn all_roots(mut found: impl FnMut(Connection)) -> impl FnMut(Connection) {
+    let mut count = 0;
+    move |connection| {
+        count += 1;
+        if count == 1 || !fault!(ConnectionRootMissing) {
+            found(connection);
         }
     }
 }

@@ -47,13 +47,11 @@ impl Phase {
         // atan x = x / (1 + 0.28 x^2) within 0.005 for |x| <= 1.
         let atan = |x: f64| x / (1.0 + 0.28 * x * x);
         let Self { re, im } = self;
-        if im.abs() <= re {
-            atan(im / re)
-        } else if im.abs() <= -re {
-            std::f64::consts::PI.copysign(im) + atan(im / re)
-        } else {
-            std::f64::consts::FRAC_PI_2.copysign(im) - atan(re / im)
-        }
+        let is_steep = im.abs() > re.abs();
+        let slope = if is_steep { re / im } else { im / re };
+        let flat = if re < 0.0 { std::f64::consts::PI.copysign(im) } else { 0.0 };
+        let steep = std::f64::consts::FRAC_PI_2.copysign(im);
+        if is_steep { steep - atan(slope) } else { flat + atan(slope) }
     }
 }
 

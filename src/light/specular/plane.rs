@@ -28,9 +28,22 @@ pub(super) struct Plane {
     pub(super) sin_theta: f64,
 }
 
-impl Plane {
+/// Where two points are, as seen from the centre of a ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    x_axis: DVec3,
+    /// Normal of the plane, of length `sin_theta`.
+    normal: DVec3,
+    /// Distances of x and y; that of a direction is infinite.
+    pub(super) distances: [f64; 2],
+    pub(super) cos_theta: f64,
+    /// Not negative.
+    pub(super) sin_theta: f64,
+}
+
+impl Triangle {
     #[inline(always)]
-    pub(super) fn new(ball: Sphere, x: DVec3, y: Target) -> Self {
+    pub(super) fn new(ball: &Sphere, x: DVec3, y: Target) -> Self {
         let [from_center, y_from_center] = match y {
             Target::Point(y) => [x - ball.center, y - ball.center],
             Target::Direction(direction) => [x - ball.center, direction],
@@ -38,20 +51,28 @@ impl Plane {
         let per_radius = 1.0 / ball.radius;
         let [d1, length] = [from_center, y_from_center].map(|v| v.length());
         let d2 = if let Target::Direction(_) = y { f64::INFINITY } else { length * per_radius };
-        let y_axis = unit(y_from_center, length).unwrap_or(DVec3::Z);
+        let y_axis = unit_or(y_from_center, length, DVec3::Z);
         // In the centre, every axis is one; along y, the two do not differ.
-        let x_axis = unit(from_center, d1).unwrap_or(y_axis);
+        let x_axis = unit_or(from_center, d1, y_axis);
         let normal = x_axis.cross(y_axis);
-        let sin_theta = normal.length();
-        let across = unit(normal.cross(x_axis), sin_theta).unwrap_or(Frame::from_z(x_axis).x);
         Self {
-            ball,
             x_axis,
-            across,
+            normal,
             distances: [d1 * per_radius, d2],
             cos_theta: x_axis.dot(y_axis),
-            sin_theta,
+            sin_theta: normal.length(),
         }
+    }
+}
+
+impl Plane {
+    #[inline(always)]
+    pub(super) fn new(ball: Sphere, x: DVec3, y: Target) -> Self {
+        let Triangle { x_axis, normal, distances, cos_theta, sin_theta } =
+            Triangle::new(&ball, x, y);
+        let across = normal.cross(x_axis);
+        let across = if sin_theta > 0.0 { across / sin_theta } else { Frame::from_z(x_axis).x };
+        Self { ball, x_axis, across, distances, cos_theta, sin_theta }
     }
 
     /// Returns the vector with these components along the axis through x and across it.
@@ -76,7 +97,14 @@ impl Plane {
     }
 }
 
+/// Returns true if both points are outside of the ball, or on it, given their distances.
 #[inline(always)]
-fn unit(v: DVec3, length: f64) -> Option<DVec3> {
-    (length > 0.0).then(|| v / length)
+pub(super) fn are_outside([d1, d2]: [f64; 2]) -> bool {
+    (d1 >= 1.0) & (d2 >= 1.0)
+}
+
+/// Returns the unit vector along one of this length, or another one for no length.
+#[inline(always)]
+fn unit_or(v: DVec3, length: f64, other: DVec3) -> DVec3 {
+    if length > 0.0 { v / length } else { other }
 }

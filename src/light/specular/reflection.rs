@@ -1,36 +1,52 @@
 //! Kind 1: reflection off the outside of a ball.
 
-use crate::geometry::Sphere;
-use crate::math::DVec3;
-
 use super::connection::Connection;
 use super::deflection::{Angle, Deflection, Evaluation};
+use super::equation::{Equation, MAX_TARGETS};
 use super::phase::Phase;
-use super::plane::{Plane, Target};
+use super::plane::{Plane, are_outside};
+use super::root::Branch;
 
-/// Returns the reflection off the outside of a ball that connects two points outside of it; `None`
-/// if the straight line between them meets the ball.
-pub(super) fn connect(ball: &Sphere, x: DVec3, y: Target) -> Option<Connection> {
-    let plane = Plane::new(*ball, x, y);
-    let deflection = deflection(&plane)?;
-    let theta = Phase::half_of(plane.cos_theta, plane.sin_theta);
-    let branch = deflection.branches()[0]?;
-    let root = deflection.root(&branch, theta.negated())?;
-    Some(connection(&plane, &root))
+/// Reflection off the outside of a ball: one path, or none if the straight line between the points
+/// meets the ball.
+pub(super) struct Reflection;
+
+impl Equation for Reflection {
+    #[inline(always)]
+    fn ratios([d1, d2]: [f64; 2], _: f64) -> [f64; 2] {
+        [1.0 / d1, 1.0 / d2]
+    }
+
+    /// The angle `2 i - alpha - beta` at the centre.
+    #[inline(always)]
+    fn deflection([at_x, at_y]: [f64; 2], _: f64) -> Deflection {
+        Deflection::new([2, -1, -1, 0], [1.0, at_x, at_y, 0.0])
+    }
+
+    #[inline(always)]
+    fn half_angle(cos_theta: f64, sin_theta: f64) -> Phase {
+        Phase::half_of(cos_theta, sin_theta)
+    }
+
+    /// psi = theta.
+    #[inline(always)]
+    fn targets(half_theta: Phase, _: &[Option<Branch>; 2]) -> [Option<Phase>; MAX_TARGETS] {
+        [Some(half_theta.negated()), None, None]
+    }
+
+    #[inline(always)]
+    fn connection(plane: &Plane, _: &Deflection, root: &Evaluation, _: usize) -> Connection {
+        connection(plane, root)
+    }
 }
 
 /// Returns the spread of a reflection that leaves x at an angle of this sine from the axis.
 pub(super) fn spread(plane: &Plane, sin_at_x: f64) -> Option<f64> {
-    let root = deflection(plane)?.eval_at(Angle::AtX, sin_at_x);
-    Some(connection(plane, &root).spread)
-}
-
-/// The angle `2 i - alpha - beta` at the centre.
-#[inline(always)]
-fn deflection(plane: &Plane) -> Option<Deflection> {
-    let [d1, d2] = plane.distances;
-    let is_outside = d1 >= 1.0 && d2 >= 1.0;
-    is_outside.then(|| Deflection::new([2, -1, -1, 0], [1.0, 1.0 / d1, 1.0 / d2, 0.0]))
+    if !are_outside(plane.distances) {
+        return None;
+    }
+    let deflection = Reflection::deflection(Reflection::ratios(plane.distances, 1.0), 1.0);
+    Some(connection(plane, &deflection.eval_at(Angle::AtX, sin_at_x)).spread)
 }
 
 #[inline(always)]

@@ -1,77 +1,83 @@
 //! Kind 2: through a ball, with or without a reflection on its inner side.
 
-use crate::geometry::Sphere;
-use crate::math::DVec3;
-
 use super::connection::Connection;
 use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
+use super::equation::{Equation, MAX_TARGETS};
 use super::phase::Phase;
-use super::plane::{Plane, Target};
+use super::plane::{Plane, are_outside};
 use super::reflection::outer_leg;
+use super::root::Branch;
 
-/// Finds all paths between two points outside of a ball, whose index of refraction over that of its
-/// surroundings is `ior`, that enter it, are reflected `inner` times on its inner side, 0 or 1
-/// times, and leave it.
-#[inline]
-pub(super) fn connect(
-    ball: &Sphere,
-    ior: f64,
-    inner: u32,
-    (x, y): (DVec3, Target),
-    mut found: impl FnMut(Connection),
-) {
-    let plane = Plane::new(*ball, x, y);
-    let Some(deflection) = deflection(&plane, ior, inner) else { return };
-    let (cos, sin) = (plane.cos_theta, plane.sin_theta);
-    let branches = deflection.branches();
-    let mut connect = |half_target: Phase, side: f64| {
-        for branch in branches.iter().flatten() {
-            if let Some(root) = deflection.root(branch, half_target.negated()) {
-                found(connection(&plane, inner, &deflection, &root, side));
-            }
+/// Paths that enter a ball, are reflected `INNER` times on its inner side, 0 or 1 times, and leave
+/// it.
+pub(super) struct Through<const INNER: u32>;
+
+impl<const INNER: u32> Equation for Through<INNER> {
+    #[inline(always)]
+    fn ratios([d1, d2]: [f64; 2], ior: f64) -> [f64; 2] {
+        let scale = scale(ior);
+        [scale / d1, scale / d2]
+    }
+
+    /// The angle `2 i - alpha - beta - 2 (k + 1) t`: that at the centre minus `(k + 1) pi`.
+    #[inline(always)]
+    fn deflection([at_x, at_y]: [f64; 2], ior: f64) -> Deflection {
+        let weights = [2, -1, -1, if INNER == 0 { -2 } else { -4 }];
+        let inside = if ior < 1.0 { 1.0 } else { 1.0 / ior };
+        Deflection::new(weights, [scale(ior), at_x, at_y, inside])
+    }
+
+    /// Half of `pi - theta`, or of `theta`.
+    #[inline(always)]
+    fn half_angle(cos_theta: f64, sin_theta: f64) -> Phase {
+        Phase::half_of(if INNER == 0 { -cos_theta } else { cos_theta }, sin_theta)
+    }
+
+    #[inline(always)]
+    fn targets(half: Phase, branches: &[Option<Branch>; 2]) -> [Option<Phase>; MAX_TARGETS] {
+        if INNER == 0 {
+            // psi = -(pi - theta), around the centre on the side of y, or psi = pi - theta.
+            return [Some(half), Some(half.negated()), None];
         }
-    };
-    if inner == 0 {
-        // psi = -(pi - theta), around the centre on the side of y, or psi = pi - theta.
-        let rest = Phase::half_of(-cos, sin);
-        connect(rest.negated(), 1.0);
-        connect(rest, -1.0);
-    } else {
         // psi = -theta, theta, or theta - 2 pi; the last two only if psi reaches them.
-        let theta = Phase::half_of(cos, sin);
-        let lowest = branches[1].as_ref().or(branches[0].as_ref()).map(|branch| branch.halves());
-        connect(theta.negated(), -1.0);
-        if let Some([first, last]) = lowest {
+        let reached = branches[1].as_ref().or(branches[0].as_ref()).map(|branch| {
+            let [first, last] = branch.halves;
             let lowest = if branches[1].is_some() { first } else { last };
-            if last.im > 0.0 {
-                connect(theta, 1.0);
-            }
-            if lowest.re < 0.0 {
-                connect(theta.turned(), 1.0);
-            }
-        }
+            [last.im > 0.0, lowest.re < 0.0]
+        });
+        let [is_high, is_low] = reached.unwrap_or_default();
+        let turned = half.turned().negated();
+        [Some(half), is_high.then_some(half.negated()), is_low.then_some(turned)]
+    }
+
+    #[inline(always)]
+    fn connection(
+        plane: &Plane,
+        deflection: &Deflection,
+        root: &Evaluation,
+        target: usize,
+    ) -> Connection {
+        // On the side of y, or on the other side of the centre.
+        let is_on_side = (target == 0) == (INNER == 0);
+        connection(plane, INNER, deflection, root, if is_on_side { 1.0 } else { -1.0 })
     }
 }
 
 /// Returns the spread of a path that leaves x at an angle of this sine from the axis.
-pub(super) fn spread(plane: &Plane, ior: f64, inner: u32, sin_at_x: f64) -> Option<f64> {
-    let deflection = deflection(plane, ior, inner)?;
-    let root = deflection.eval_at(Angle::AtX, sin_at_x);
-    Some(connection(plane, inner, &deflection, &root, 1.0).spread)
-}
-
-/// The angle `2 i - alpha - beta - 2 (k + 1) t`: that at the centre minus `(k + 1) pi`.
-#[inline(always)]
-fn deflection(plane: &Plane, ior: f64, inner: u32) -> Option<Deflection> {
-    let [d1, d2] = plane.distances;
-    if !(d1 >= 1.0 && d2 >= 1.0) {
+pub(super) fn spread<const INNER: u32>(plane: &Plane, ior: f64, sin_at_x: f64) -> Option<f64> {
+    if !are_outside(plane.distances) {
         return None;
     }
-    // The largest sine is that of i in dense balls and of t in others.
-    let scale = f64::min(1.0, ior);
-    let weights = [2, -1, -1, if inner == 0 { -2 } else { -4 }];
-    let inside = if ior < 1.0 { 1.0 } else { 1.0 / ior };
-    Some(Deflection::new(weights, [scale, scale / d1, scale / d2, inside]))
+    let ratios = Through::<INNER>::ratios(plane.distances, ior);
+    let deflection = Through::<INNER>::deflection(ratios, ior);
+    let root = deflection.eval_at(Angle::AtX, sin_at_x);
+    Some(connection(plane, INNER, &deflection, &root, 1.0).spread)
+}
+
+/// The largest sine is that of `i` in dense balls and of `t` in others.
+#[inline(always)]
+fn scale(ior: f64) -> f64 {
+    f64::min(1.0, ior)
 }
 
 /// The path of a root that goes around the centre on the side of y (1) or on the other side (-1).

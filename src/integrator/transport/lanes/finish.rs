@@ -2,8 +2,8 @@
 
 use crate::fault::fault;
 use crate::geometry::PathRay;
-use crate::light::specular::{CasterPairs, PairSampler};
-use crate::light::{CategoryPmf, LightSample, LightSampleContext};
+use crate::light::specular::{CasterPairs, Connection, PairSampler, SpecularPath};
+use crate::light::{CategoryPmf, ConnectedPoint, LightSample, LightSampleContext, Lights};
 use crate::material::{Bsdf, BsdfSample, Diffuse, Lobe};
 use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
@@ -11,6 +11,7 @@ use crate::sampling::Hemisphere;
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
+use super::super::connect::PairSite;
 use super::super::next_event::{LightFactors, Scattering};
 use super::super::paths::{PathState, ShadowQueue, StageQueues};
 use super::super::vertex::{SurfaceVertex, VertexNumbers};
@@ -43,12 +44,32 @@ impl VertexNumbers for LaneNumbers<'_> {
         pairs: &PairSampler,
         ctx: &LightSampleContext,
         inside: Option<u32>,
+        u_light: impl FnOnce() -> f64,
     ) -> CasterPairs {
         let Self { batch, lane } = *self;
         if inside.is_some() || pairs.needs_choice() {
-            return pairs.sample(ctx, inside, VertexBatch::pair(&batch.numbers.connection, lane));
+            let u = VertexBatch::pair(&batch.numbers.connection, lane);
+            return pairs.sample(ctx, inside, u, u_light);
         }
         pairs.accepted(batch.pairs.0[lane], ctx.hit.point)
+    }
+
+    fn connect(
+        &self,
+        lights: &Lights,
+        site: &PairSite<'_>,
+        u: impl FnOnce() -> [f64; 2],
+        found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
+    ) -> bool {
+        let Self { batch, lane } = *self;
+        // Lanes are solved outside of all balls.
+        let solved = batch.connections.of_lane(site.pair.n, lane);
+        let Some((point, roots)) = solved.filter(|_| site.inside.is_none()) else {
+            return site.connect(lights, u(), found);
+        };
+        let Some(point) = point else { return false };
+        site.connect_lane(point, (roots, lane), found);
+        true
     }
 
     #[inline(always)]
@@ -143,9 +164,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let bsdf = &Bsdf::Diffuse(Diffuse { albedo }, Hemisphere::Cosine);
         let frame = &Frame::from_z(ctx.hit.facing_normal());
         let scattering = Scattering { ctx, bsdf, frame, wo: DVec3::Z, crossing: None };
-        let numbers = LaneNumbers { batch, lane };
-        let choose = |pairs: &PairSampler, inside| numbers.choose_pairs(pairs, ctx, inside);
-        self.add_connections(state, &scattering, choose, shadow_queue);
+        self.add_connections(state, &scattering, &LaneNumbers { batch, lane }, shadow_queue);
     }
 
     #[inline(always)]

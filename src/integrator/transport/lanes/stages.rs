@@ -114,6 +114,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         if let Some(pairs) = self.context.prepared.connections().filter(|_| needs.connection) {
             isa.run(ChoosePairs { batch, worths: pairs.worths() });
+            self.solve_connections(isa, pairs, batch, queues);
         }
         self.clock.end(Stage::LightSamples);
         match kind {

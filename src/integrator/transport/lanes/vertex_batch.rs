@@ -6,6 +6,7 @@ use crate::light::{CategoryPmf, LaneLightSample, LanePoint, LightSample, LightSo
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
+use super::connections::ConnectionLanes;
 use super::vertex_kind::VertexKind;
 
 /// The vertices that are shaded together: all of one kind.
@@ -25,6 +26,7 @@ pub(in super::super) struct VertexBatch {
     /// The pairs of a polished ball and a light that are worth a connection from outside of all
     /// balls, as a set of bits, where all pairs are tried.
     pub(super) pairs: Lanes<u32>,
+    pub(super) connections: ConnectionLanes,
 }
 
 /// A batch for each kind.

@@ -4,13 +4,19 @@ use crate::color::Rgb;
 use crate::geometry::{Side, Sphere, SphereRows, SphereSet, SurfaceHit};
 use crate::light::{Emitter, LightSampleContext};
 use crate::math::DVec3;
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, SamplerKind};
 
 use super::super::worth::is_accepted;
 use super::super::{Caster, CasterSurface, Casters, ConnectedLight, PairSampler};
 
 /// Balls and emitters in a unit box.
 fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64, f64)>) -> PairSampler {
+    sampler_of(balls, &(balls..balls + emitters).map(|id| 1.0 + id as f32).collect::<Vec<_>>(), sun)
+}
+
+/// Balls and emitters of these radiances.
+fn sampler_of(balls: u32, radiances: &[f32], sun: Option<(DVec3, f64, f64)>) -> PairSampler {
+    let emitters = radiances.len() as u32;
     let sphere = |i: u64| {
         let sampler = Sampler::independent(8, i, 0);
         let center = DVec3::new(sampler.get(0), sampler.get(1), sampler.get(2));
@@ -24,8 +30,8 @@ fn sampler(balls: u32, emitters: u32, sun: Option<(DVec3, f64, f64)>) -> PairSam
     };
     let caster = |id| Caster { id, ball: spheres.sphere(id), surface: surface(id) };
     let casters: Vec<_> = (0..balls).map(caster).collect();
-    let emitter = |id| Emitter::opaque(id, Rgb::splat(1.0 + id as f32));
-    let emitters: Vec<_> = (balls..balls + emitters).map(emitter).collect();
+    let emitter = |(id, radiance): (u32, &f32)| Emitter::opaque(id, Rgb::splat(*radiance));
+    let emitters: Vec<_> = (balls..).zip(radiances).map(emitter).collect();
     PairSampler::new(Casters::find(&casters, &[], &spheres), &emitters, sun, &spheres, false)
 }
 
@@ -53,7 +59,7 @@ fn a_few_pairs_are_all_tried_where_they_are_worth_it() {
     let mut accepted = 0;
     for ctx in contexts() {
         for inside in [None, Some(1)] {
-            let chosen: Vec<_> = sampler.sample(&ctx, inside, [0.9, 0.3]).iter().collect();
+            let chosen: Vec<_> = sampler.sample(&ctx, inside, [0.9, 0.3], || 0.4).iter().collect();
             accepted += chosen.len();
             for (n, pair) in (0..).zip(all_pairs(3, 1, true)) {
                 let is_chosen = chosen.iter().any(|chosen| (chosen.caster, chosen.light) == pair);
@@ -84,7 +90,7 @@ fn probabilities_add_up_to_one_and_are_those_of_the_samples() {
                 for i in 0..200u32 {
                     let numbers = Sampler::independent(3, i.into(), 0);
                     let u = [numbers.get(0), numbers.get(1)];
-                    for pair in sampler.sample(&ctx, inside, u).iter() {
+                    for pair in sampler.sample(&ctx, inside, u, || numbers.get(2)).iter() {
                         let pmf = sampler.pmf(&ctx, inside, (pair.caster, pair.light));
                         assert!((pair.pmf - pmf).abs() <= 1e-12 * pmf);
                     }
@@ -94,30 +100,38 @@ fn probabilities_add_up_to_one_and_are_those_of_the_samples() {
     }
 }
 
-/// The frequency of each pair, against its probability.
+/// The frequency of each pair, against its probability, also with numbers of 32 bits.
 #[test]
 fn pairs_are_chosen_as_often_as_they_say() {
-    for (balls, emitters, sun) in [(3, 1, SUN), (5, 4, SUN), (40, 3, SUN)] {
-        let sampler = sampler(balls, emitters, sun);
-        let pairs = all_pairs(balls, emitters, sun.is_some());
-        let ctx = contexts().next().expect("some");
-        let count = 200_000u32;
-        let mut found = vec![0.0; pairs.len()];
-        for i in 0..count {
-            let numbers = Sampler::independent(4, i.into(), 0);
-            for pair in sampler.sample(&ctx, None, [numbers.get(0), numbers.get(1)]).iter() {
-                let is_it = |other: &&(u32, ConnectedLight)| **other == (pair.caster, pair.light);
-                let index = pairs.iter().position(|other| is_it(&other)).expect("listed");
-                found[index] += 1.0;
-            }
+    let many = sampler(300, 50, None);
+    let weak = sampler_of(71, &[1.0, 0.003], None);
+    let few = [(3, 1), (5, 4), (40, 3)].map(|(balls, emitters)| sampler(balls, emitters, SUN));
+    for sampler in few.iter().chain([&many, &weak]) {
+        for kind in [SamplerKind::Independent, SamplerKind::Sobol, SamplerKind::Stratified] {
+            compare_frequencies(sampler, kind);
         }
-        for (pair, found) in pairs.iter().zip(found) {
-            let pmf = sampler.pmf(&ctx, None, *pair);
-            let expected = f64::from(count) * pmf;
-            // 5 standard deviations: 6e-7 for each of at most 160 pairs.
-            let deviation = (expected * (1.0 - pmf)).sqrt();
-            let off: f64 = found - expected;
-            assert!(off.abs() <= 5.0 * deviation + 5.0, "{pair:?}: {found}, not {expected}");
+    }
+}
+
+fn compare_frequencies(sampler: &PairSampler, kind: SamplerKind) {
+    let ctx = contexts().next().expect("some");
+    let pairs: Vec<_> = sampler.pairs(None).collect();
+    let count = 200_000u32;
+    let mut found = vec![0.0; pairs.len()];
+    for i in 0..count {
+        let numbers = Sampler::with_kind(kind, 4, 0, i, count);
+        let u = numbers.get_2d(2);
+        for pair in sampler.sample(&ctx, None, u, || numbers.get(4)).iter() {
+            found[sampler.index_of(pair.caster, pair.light)] += 1.0;
         }
+    }
+    for (pair, found) in pairs.iter().zip(found) {
+        let pmf = sampler.pmf(&ctx, None, *pair);
+        let expected = f64::from(count) * pmf;
+        // 5 standard deviations of independent numbers, to which a few cannot be added.
+        let deviation = (expected * (1.0 - pmf)).sqrt();
+        let off: f64 = found - expected;
+        let is_near = off.abs() <= 5.0 * deviation + 5.0;
+        assert!(is_near, "{kind:?}, {pair:?}: {found}, not {expected}");
     }
 }
