@@ -59,6 +59,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::ConnectionEtaSquaredMissing, "lamp-out-of-glass: path"),
     (Fault::ConnectionFresnelMissing, "lamp-out-of-glass: path"),
     (Fault::ConnectionMisForgotten, "wide-lamp-over-a-mirror: path"),
+    (Fault::ConnectionWeightMissing, "wide-lamp-over-a-mirror: path"),
     (Fault::PixelCornerForCenter, "mirror-before-the-eye: path"),
     (Fault::FirstBlockDropped, "furnace: path"),
     (Fault::DividedByWrongCount, "sphere-light: paper"),

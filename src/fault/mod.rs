@@ -101,6 +101,7 @@ registry! {
     ConnectionEtaSquaredMissing: "a connection into or out of glass keeps its radiance",
     ConnectionFresnelMissing: "a connection over glass loses nothing to Fresnel's equations",
     ConnectionMisForgotten: "light found by chance over a ball has the MIS weight 1",
+    ConnectionWeightMissing: "connections over a ball have the MIS weight 1",
     // Camera and film
     PixelCornerForCenter: "pixel coordinates start at the centre instead of the corner",
     FirstBlockDropped: "the first block of samples is counted but not added",

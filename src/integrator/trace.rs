@@ -146,7 +146,9 @@ pub enum PathEvent {
         f: Rgb,
         /// `|cos wi|`.
         cos: f64,
-        /// Pdf of the connection per solid angle at the vertex, times the probability of the pair.
+        /// Probability of the pair of the ball and the light.
+        pmf: f64,
+        /// Pdf of the connection per solid angle at the vertex, times `pmf`.
         pdf: f64,
         /// Pdf with which BSDF sampling would have found this path.
         pdf_chance: f64,

@@ -171,9 +171,6 @@ impl KindScene {
             builder.sphere(material, DVec3::from(center), radius);
         }
         let image = ImageSettings { width: SIZE, height: SIZE, ..ImageSettings::default() };
-        PreparedScene::new(
-            &builder.into_scene()?,
-            Settings { image, render, ..Settings::default() },
-        )
+        PreparedScene::new(&builder.into_scene()?, Settings { image, render })
     }
 }

@@ -11,6 +11,7 @@ use crate::light::{ConnectedPoint, LightSource, Lights};
 use crate::material::{Medium, MediumStack, fresnel};
 use crate::math::{DVec3, NO_SPHERE};
 use crate::sampling::Hemisphere;
+use crate::scene::SphereMaterial;
 
 use super::super::dimension;
 use super::super::trace::{PathEvent, PathRecorder};
@@ -28,7 +29,8 @@ struct BallLegs<'a> {
     id: u32,
     ball: &'a Sphere,
     medium: Option<Medium>,
-    rays: [Option<PathRay>; MAX_LEGS],
+    /// The shadow rays along the legs, and whether each is inside the ball.
+    rays: [Option<(PathRay, bool)>; MAX_LEGS],
     count: usize,
     transmittance: Rgb,
 }
@@ -158,11 +160,13 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if f.max_element() <= 0.0 || !(pdf > 0.0 && pdf < f64::INFINITY) {
             return None;
         }
-        let (passage, chance) = self.passage(legs.id, light.kind, connection);
-        legs.medium = self.context.scene.sphere_material(legs.id).medium(legs.id);
+        let surface = self.context.scene.sphere_material(legs.id);
+        let (passage, chance) = passage(&surface, light.kind, connection);
+        legs.medium = surface.medium(legs.id);
         self.trace_legs(&mut legs, &ctx.hit, connection, light)?;
         let pdf_bsdf = bsdf.pdf(wo, wi) * chance;
-        let weight = light_weight(self.integrator.estimator, false, pdf, pdf_bsdf);
+        let rival = if fault!(ConnectionWeightMissing) { 0.0 } else { pdf_bsdf };
+        let weight = light_weight(self.integrator.estimator, false, pdf, rival);
         let transmittance = passage * legs.transmittance;
         self.recorder.record(|| PathEvent::Connection {
             number: light.number,
@@ -174,6 +178,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             transmittance,
             f,
             cos: wi.z,
+            pmf: light.pair.pmf,
             pdf,
             pdf_chance: pdf_bsdf,
             weight,
@@ -184,27 +189,6 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             self.push_legs(state, &legs, radiance, light, shadow_queue);
         }
         Some(())
-    }
-
-    /// Returns what the ball multiplies radiance by, and the probability with which chance goes
-    /// this way over the ball.
-    fn passage(&self, caster: u32, kind: SpecularPath, connection: &Connection) -> (Rgb, f64) {
-        let surface = self.context.scene.sphere_material(caster);
-        let cos = connection.cos_outside.clamp(0.0, 1.0);
-        if let Some(glass) = surface.material.dielectric() {
-            let reflectance = fresnel(cos, glass.ior).reflectance;
-            let share = kind.passage(reflectance);
-            let kept = if fault!(ConnectionFresnelMissing) { 1.0 } else { share };
-            let scale = match fault!(ConnectionEtaSquaredMissing) {
-                true => 1.0,
-                false => kind.radiance_scale(glass.ior),
-            };
-            return (Rgb::splat((kept * scale) as f32), share);
-        }
-        let bsdf = surface.material.bsdf(surface.albedo, 1.0, Hemisphere::Cosine);
-        let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-        let reflected = bsdf.sample(wo, 0.0, [0.5; 2], &|| [0.5; 2]);
-        (reflected.map_or(Rgb::ZERO, |sample| sample.weight), 1.0)
     }
 
     /// Spawns the shadow rays along all legs; `None` if a surface that a leg starts at is in its
@@ -220,19 +204,19 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let is_first_inside = light.kind == SpecularPath::Outward;
         let is_last_inside = light.kind == SpecularPath::Inward;
         let first = self.spawn_leg(from, direction_at_x, leg_at_x, legs.id)?;
-        legs.push(first, self.dimming(legs, is_first_inside, leg_at_x));
+        self.push_leg(legs, first, is_first_inside, leg_at_x);
         let points = connection.points();
         for chord in points.windows(2) {
             let start = legs.point(chord[0], Side::Inside);
             let direction = (chord[1] - chord[0]).normalize();
             let ray = self.spawn_leg(&start, direction, connection.chord, legs.id)?;
-            legs.push(ray, self.dimming(legs, true, connection.chord));
+            self.push_leg(legs, ray, true, connection.chord);
         }
         let side = if is_last_inside { Side::Inside } else { Side::Outside };
         let last = legs.point(*points.last()?, side);
         let target = light.point.emitter.unwrap_or(NO_SPHERE);
         let ray = self.spawn_leg(&last, -direction_at_y, leg_at_y, target)?;
-        legs.push(ray, self.dimming(legs, is_last_inside, leg_at_y));
+        self.push_leg(legs, ray, is_last_inside, leg_at_y);
         Some(())
     }
 
@@ -250,13 +234,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Returns the transmittance of a leg, unless its shadow ray multiplies by it.
-    fn dimming(&self, legs: &BallLegs<'_>, is_inside: bool, length: f64) -> Rgb {
+    /// Adds a leg, and multiplies by its transmittance unless its shadow ray does.
+    fn push_leg(&self, legs: &mut BallLegs<'_>, ray: PathRay, is_inside: bool, length: f64) {
+        legs.rays[legs.count] = Some((ray, is_inside));
+        legs.count += 1;
         match legs.medium {
             Some(medium) if is_inside && !self.context.scene.has_straight_boundaries() => {
-                MediumStack::VACUUM.with(medium).transmittance(length)
+                legs.transmittance *= MediumStack::VACUUM.with(medium).transmittance(length);
             }
-            _ => Rgb::ONE,
+            _ => {}
         }
     }
 
@@ -271,19 +257,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     ) {
         let is_direct = state.is_light_sample_direct();
         let needs_media = self.context.scene.has_passable_surfaces();
-        for (index, ray) in legs.rays[..legs.count].iter().flatten().enumerate() {
+        for (index, (ray, is_inside)) in legs.rays[..legs.count].iter().flatten().enumerate() {
             let has_more = index + 1 < legs.count;
             let batch_index = state.batch_index;
             let connection = light.number;
             let pending = PendingDirect { batch_index, radiance, is_direct, has_more, connection };
             shadow_queue.shadow_rays.push(ray, pending);
             if needs_media {
-                let is_inside = match light.kind {
-                    SpecularPath::Outward => index == 0,
-                    SpecularPath::Inward => index == 1,
-                    _ => index > 0 && has_more,
-                };
-                let medium = legs.medium.filter(|_| is_inside);
+                let medium = legs.medium.filter(|_| *is_inside);
                 let vacuum = MediumStack::VACUUM;
                 shadow_queue.media.push(medium.map_or(vacuum.clone(), |m| vacuum.with(m)));
             }
@@ -295,12 +276,6 @@ impl<'a> BallLegs<'a> {
     fn new(id: u32, ball: &'a Sphere) -> Self {
         let rays = [None; MAX_LEGS];
         Self { id, ball, medium: None, rays, count: 0, transmittance: Rgb::ONE }
-    }
-
-    fn push(&mut self, ray: PathRay, transmittance: Rgb) {
-        self.rays[self.count] = Some(ray);
-        self.count += 1;
-        self.transmittance *= transmittance;
     }
 
     /// Returns a point of the ball as a surface that a leg starts at.
@@ -323,4 +298,28 @@ pub(super) fn connected_kinds(
         return &[];
     }
     pairs.kinds(caster, inside.is_some(), light)
+}
+
+/// Returns what the ball multiplies radiance by, and the probability with which chance goes
+/// this way over the ball.
+fn passage(
+    surface: &SphereMaterial<'_>,
+    kind: SpecularPath,
+    connection: &Connection,
+) -> (Rgb, f64) {
+    let cos = connection.cos_outside.clamp(0.0, 1.0);
+    if let Some(glass) = surface.material.dielectric() {
+        let reflectance = fresnel(cos, glass.ior).reflectance;
+        let share = kind.passage(reflectance);
+        let kept = if fault!(ConnectionFresnelMissing) { 1.0 } else { share };
+        let scale = match fault!(ConnectionEtaSquaredMissing) {
+            true => 1.0,
+            false => kind.radiance_scale(glass.ior),
+        };
+        return (Rgb::splat((kept * scale) as f32), share);
+    }
+    let bsdf = surface.material.bsdf(surface.albedo, 1.0, Hemisphere::Cosine);
+    let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let reflected = bsdf.sample(wo, 0.0, [0.5; 2], &|| [0.5; 2]);
+    (reflected.map_or(Rgb::ZERO, |sample| sample.weight), 1.0)
 }

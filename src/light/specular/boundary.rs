@@ -4,10 +4,11 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::connection::Connection;
-use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
+use super::deflection::{Angle, Deflection, Evaluation};
 use super::phase::Phase;
 use super::plane::{Plane, Target};
 use super::reflection::outer_leg;
+use super::spread::around_axis;
 
 /// Finds all paths from a point inside a ball, whose index of refraction over that of its
 /// surroundings is `ior`, to the outside, refracted once.
@@ -97,15 +98,6 @@ fn connection(
         (root.cos(Angle::Outside), root.cos(Angle::Inside), root.sin(Angle::Inside));
     let (cos_tau, sin_tau) = (sign_tau * root.cos(Angle::AtX), root.sin(Angle::AtX));
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
-    let per_radian = deflection.slope_at_x(root);
-    let ratio = match root.sin_v > ON_AXIS {
-        true => plane.sin_theta / sin_tau,
-        false => per_radian,
-    };
-    let (leg, area) = match d2 < f64::INFINITY {
-        true => (outer_leg(d2, cos_beta, cos_i), d2 * d2 * radius * radius),
-        false => (f64::INFINITY, 1.0),
-    };
     // The inner leg is cos t - d1 cos tau.
     let inner = match cos_tau > 0.0 {
         true => (1.0 - d1) * (1.0 + d1) / (cos_t + d1 * cos_tau),
@@ -115,10 +107,10 @@ fn connection(
         direction_at_x: plane.vector(cos_tau, side * sin_tau),
         direction_at_y: plane.direction_at_y(cos_beta, side * sin_beta),
         leg_at_x: inner * radius,
-        leg_at_y: leg * radius,
+        leg_at_y: outer_leg(d2, cos_beta, cos_i) * radius,
         cos_outside: cos_i,
         cos_inside: cos_t,
-        spread: area * cos_beta * ratio * per_radian,
+        spread: around_axis(plane, deflection, root, sin_tau),
         ..Connection::NONE
     };
     // The point is at the angle tau - t from x.

@@ -13,10 +13,6 @@ const TERMS: usize = 4;
 /// Steps to the stationary point, of which random configurations need at most 13.
 pub(super) const MAX_STATIONARY_STEPS: usize = 24;
 
-/// `sin v` up to which a ray is on the axis: there, `theta` and the angle at x are proportional up
-/// to the square of this, and both are too small for a direction to tell.
-pub(super) const ON_AXIS: f64 = 1e-7;
-
 /// The angles at the sphere, in the order of [`Deflection`]'s terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Angle {

@@ -77,6 +77,7 @@ mod phase;
 mod plane;
 mod reflection;
 mod root;
+mod spread;
 mod through;
 mod worth;
 

@@ -1,12 +1,13 @@
 //! Kind 2: through a ball, with or without a reflection on its inner side.
 
 use super::connection::Connection;
-use super::deflection::{Angle, Deflection, Evaluation, ON_AXIS};
+use super::deflection::{Angle, Deflection, Evaluation};
 use super::equation::{Equation, MAX_TARGETS};
 use super::phase::Phase;
 use super::plane::{Plane, are_outside};
 use super::reflection::outer_leg;
 use super::root::Branch;
+use super::spread::around_axis;
 
 /// Paths that enter a ball, are reflected `INNER` times on its inner side, 0 or 1 times, and leave
 /// it.
@@ -95,24 +96,15 @@ fn connection(
     let (cos_t, sin_t) = (root.cos(Angle::Inside), root.sin(Angle::Inside));
     let (cos_alpha, sin_alpha) = (root.cos(Angle::AtX), root.sin(Angle::AtX));
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
-    let per_radian = deflection.slope_at_x(root);
-    let ratio = match root.sin_v > ON_AXIS {
-        true => plane.sin_theta / sin_alpha,
-        false => per_radian,
-    };
-    let (leg, area) = match d2 < f64::INFINITY {
-        true => (outer_leg(d2, cos_beta, cos_i), d2 * d2 * radius * radius),
-        false => (f64::INFINITY, 1.0),
-    };
     let mut connection = Connection {
         direction_at_x: plane.vector(-cos_alpha, side * sin_alpha),
         direction_at_y: plane.direction_at_y(cos_beta, side * sin_beta),
         leg_at_x: outer_leg(d1, cos_alpha, cos_i) * radius,
         chord: 2.0 * cos_t * radius,
-        leg_at_y: leg * radius,
+        leg_at_y: outer_leg(d2, cos_beta, cos_i) * radius,
         cos_outside: cos_i,
         cos_inside: cos_t,
-        spread: area * cos_beta * ratio * per_radian,
+        spread: around_axis(plane, deflection, root, sin_alpha),
         ..Connection::NONE
     };
     // The first point is at the angle i - alpha from x; each chord goes on by pi - 2 t.

@@ -166,7 +166,7 @@ fn fields(properties: &str) -> Result<Fields, String> {
             _ => return Err(wrong()),
         };
         let count: u64 = count.parse().map_err(|_| wrong())?;
-        if count == 0 || count + fields.len() as u64 > MAX_COLUMNS {
+        if count == 0 || count > MAX_COLUMNS - fields.len() as u64 {
             return Err(format!("`Properties` has more than {MAX_COLUMNS} columns, or empty ones"));
         }
         let is_position = count == 3 && matches!(name, "pos" | "position" | "positions");

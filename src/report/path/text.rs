@@ -203,6 +203,7 @@ fn connection_text(scene: &Scene, event: &PathEvent) -> String {
         transmittance,
         f,
         cos,
+        pmf,
         pdf,
         pdf_chance,
         weight,
@@ -216,7 +217,8 @@ fn connection_text(scene: &Scene, event: &PathEvent) -> String {
     format!(
         "     connects {} {} to {}, at {}\n     \
          w_i = {}, |dA / dw| = {}, L_e = {}, tau = {}\n     \
-         f_r = {}, |cos| = {}, p = {}, {} by BSDF sampling: w = {}\n",
+         P(pair) = {}, p(y) / cos_y = {}, p = {}, {} by BSDF sampling\n     \
+         f_r = {}, |cos| = {}, w = {}\n",
         way_over_ball(*kind),
         name(scene, *caster),
         source_name(scene, *source),
@@ -225,10 +227,12 @@ fn connection_text(scene: &Scene, event: &PathEvent) -> String {
         number(connection.spread),
         color(*radiance),
         color(*transmittance),
-        color(*f),
-        number(*cos),
+        number(*pmf),
+        number(pdf / (pmf * connection.spread)),
         number(*pdf),
         number(*pdf_chance),
+        color(*f),
+        number(*cos),
         number(*weight)
     )
 }
