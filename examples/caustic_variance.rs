@@ -1,6 +1,6 @@
 //! Where the variance of a picture with polished balls comes from, by chance and with connections.
 //!
-//!     cargo run --release --example caustic_variance -- scenes/caustics/two-balls.toml
+//!     cargo run --release --example caustic_variance -- scenes/caustics/two-balls.toml [SAMPLES]
 //!
 //! Prints the variance of a sample (of green), averaged over the pixels of a small picture, by the
 //! way that the light took: seen directly, also in a mirror or through glass; over one ball from a
@@ -20,7 +20,6 @@ use photosphere::task::CancelToken;
 
 const CLASSES: [&str; 5] =
     ["seen directly", "over one ball", "reflected inside a ball", "over several balls", "other"];
-const SAMPLES: u32 = 256;
 
 /// What a path has met since it was last scattered in more than one direction.
 #[derive(Default)]
@@ -87,7 +86,7 @@ fn by_class(trace: &PathTrace) -> [f64; 5] {
 }
 
 /// The variance of a sample by class, averaged over the pixels.
-fn variances(prepared: &PreparedScene) -> Result<[f64; 5]> {
+fn variances(prepared: &PreparedScene, samples: u32) -> Result<[f64; 5]> {
     let accel = photosphere::accel::Backend::Native
         .build(prepared.scene().spheres(), &BuildOptions::default())?;
     let cancel = CancelToken::default();
@@ -97,7 +96,7 @@ fn variances(prepared: &PreparedScene) -> Result<[f64; 5]> {
     let mut mean = [0.0; 5];
     for (x, y) in (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y))) {
         let (mut sums, mut squares) = ([0.0; 5], [0.0; 5]);
-        for sample in 0..SAMPLES {
+        for sample in 0..samples {
             let address = SampleAddress { x, y, sample };
             let Some(trace) = integrator.trace_path(context, address) else { continue };
             for (class, light) in by_class(&trace).into_iter().enumerate() {
@@ -105,7 +104,7 @@ fn variances(prepared: &PreparedScene) -> Result<[f64; 5]> {
                 squares[class] += light * light;
             }
         }
-        let n = f64::from(SAMPLES);
+        let n = f64::from(samples);
         for class in 0..5 {
             let variance = (squares[class] - sums[class] * sums[class] / n) / (n - 1.0);
             mean[class] += variance / f64::from(image.width * image.height);
@@ -118,6 +117,7 @@ fn variances(prepared: &PreparedScene) -> Result<[f64; 5]> {
 fn main() -> Result<()> {
     let usual = "scenes/caustics/two-balls.toml".to_owned();
     let file = std::env::args().nth(1).unwrap_or(usual);
+    let samples = std::env::args().nth(2).and_then(|count| count.parse().ok()).unwrap_or(256);
     let small = [("image.width", "80"), ("image.height", "60"), ("render.sampler", "independent")];
     let small: Vec<_> = small.iter().map(|(key, value)| Override::new(*key, *value)).collect();
     let described = read_file(file.as_ref(), &small)?;
@@ -125,7 +125,7 @@ fn main() -> Result<()> {
     let scene = Scene::build(described.description)?;
     let mut of = |caustics| {
         settings.render.caustics = caustics;
-        variances(&PreparedScene::new(&scene, settings)?)
+        variances(&PreparedScene::new(&scene, settings)?, samples)
     };
     let [chance, connect] = [of(Caustics::Chance)?, of(Caustics::Connect)?];
     let totals = [chance, connect].map(|all| all.iter().sum::<f64>());

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["MOST_ROWS", "is_single", "numbers", "positions", "words"]
+__all__ = ["MOST_ROWS", "colors", "is_single", "numbers", "positions", "words"]
 
 #: The most spheres of a scene: ids have 32 bits.
 MOST_ROWS = 4_294_967_293
@@ -25,6 +26,8 @@ def _array(given: Any, name: str) -> np.ndarray:
         array = np.asarray(given)
     except ValueError as error:
         raise ValueError(f"{name}: expected an array of numbers ({error})") from None
+    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+        raise ValueError(f"{name}: has masked values; leave their rows out of all arrays")
     if array.dtype.kind not in "fiub":
         raise ValueError(f"{name}: expected numbers, not the type {array.dtype}")
     return array
@@ -48,6 +51,28 @@ def positions(given: Any, name: str = "positions", columns: int = 3) -> np.ndarr
         )
     _check_count(len(array), name)
     return array
+
+
+def colors(given: Any, name: str) -> np.ndarray:
+    """Rows of red, green and blue: fractions from 0 to 1, or whole numbers from 0 to 255.
+
+    Raises:
+        ValueError: They are no numbers, have another shape, or lie outside; with the row.
+    """
+    import numpy as np
+
+    rows = positions(given, name)
+    most = 1 if rows.dtype.kind == "f" else 255
+    # A comparison with NaN is false.
+    inside = (rows >= 0) & (rows <= most)
+    if not inside.all():
+        row = int(np.argmin(inside.all(axis=1)))
+        wanted = "numbers from 0 to 1" if most == 1 else "whole numbers from 0 to 255"
+        raise ValueError(f"{name}: expected {wanted}, not {rows[row].tolist()} in row {row}")
+    if rows.dtype.kind in "iu" and 0 < rows.max() <= 1:
+        text = f"{name}: whole numbers count up to 255, so that these are black; use floats up to 1"
+        warnings.warn(text, stacklevel=2)
+    return rows
 
 
 def numbers(given: Any, name: str, count: int, *, positive: bool = False) -> np.ndarray:

@@ -275,7 +275,7 @@ class Particles:
             options.update(color.options())
         elif color is not None and not isinstance(color, str):
             self._require_arrays("color")
-            rows = take(_arrays.positions(color, "color"))
+            rows = take(_arrays.colors(color, "color"))
             if len(rows) != len(self._positions):
                 raise ValueError(
                     f"color: expected {len(self._positions)} rows, not {len(rows)}"

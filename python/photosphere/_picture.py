@@ -222,7 +222,7 @@ class Pick:
             about = scene._describe()
             row = _row_of(scene, choices, row, about)
             values = {} if row is None else particles._values_of(row)
-        elif row is None:
+        elif row is None and particles is None:
             row = facts["row"]
         center = tuple(facts["center"])
         return cls(row, values, center, facts["radius"], facts["depth"], facts["name"])

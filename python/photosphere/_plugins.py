@@ -20,8 +20,17 @@ def write_photosphere(path: str | os.PathLike[str], images: Any, **options: Any)
     from_ase(atoms, **look).render(**rest).save(path)
 
 
-def view_photosphere(atoms: Any, **options: Any) -> Any:
-    """Shows ASE's `Atoms`: a render in a notebook, else a picture in the desktop's viewer."""
+def view_photosphere(
+    atoms: Any, data: Any = None, repeat: Any = None, **options: Any
+) -> Any:
+    """Shows ASE's `Atoms`: a render in a notebook, else a picture in the desktop's viewer.
+
+    ASE passes `data`, a field over the cell, which is not drawn, and `repeat`, the copies along
+    each edge of the cell.
+    """
+    atoms = atoms[-1] if isinstance(atoms, list) else atoms
+    if repeat is not None:
+        atoms = atoms.repeat(repeat)
     render = from_ase(atoms, **options).start()
     if _in_notebook():
         return render

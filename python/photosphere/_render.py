@@ -6,9 +6,10 @@ import json
 import os
 import re
 import threading
+import time
 import warnings
 import weakref
-from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,6 +46,7 @@ class Render:
     @classmethod
     def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
         words, changes = split(options)
+        _check_output(options.get("output"))
         checkpoint = options.get("checkpoint")
         if checkpoint is not None:
             _scenes[os.path.abspath(checkpoint)] = scene
@@ -176,12 +178,7 @@ class Render:
         if handle is None or not self.running:
             return
 
-        def update() -> None:
-            while not self._core.wait(1.0):
-                handle.update(_Frame(self))
-            handle.update(_Frame(self))
-
-        threading.Thread(target=update, name="photosphere display", daemon=True).start()
+        _watch(self, 1.0, lambda render: handle.update(_Frame(render)))
 
     def _repr_png_(self) -> bytes | None:
         return self.picture._repr_png_() if self.samples else None
@@ -219,21 +216,47 @@ class Render:
         output = self._options.get("output")
         if output is not None and not self._saved:
             self._saved = True
-            named = [output] if isinstance(output, (str, os.PathLike)) else output
-            for path in named:
-                self.save(path)
+            for path in _paths(output):
+                target = self.part if path.lower().endswith(".part") else self
+                target.save(path)
 
     def _save_previews(self, options: dict[str, Any]) -> None:
-        every = _seconds(options.get("preview_every", 2.0))
+        def save(render: Render) -> None:
+            if render.samples:
+                try:
+                    render.save(options["preview"])
+                except Exception as error:
+                    warnings.warn(f"the preview is not written: {error}", stacklevel=2)
 
-        def save() -> None:
-            while not self._core.wait(every):
-                if self.samples:
-                    self.save(options["preview"])
-            if self.samples:
-                self.save(options["preview"])
+        _watch(self, _seconds(options.get("preview_every", 2.0)), save)
 
-        threading.Thread(target=save, name="photosphere preview", daemon=True).start()
+
+def _watch(render: Render, every: float, show: Callable[[Render], object]) -> None:
+    """Calls `show` every so many seconds, and once more when the render has ended.
+
+    The thread ends when nobody else holds the render, and before the interpreter does: a thread
+    that is in Rust then would crash the process.
+    """
+    watched = weakref.ref(render)
+    main = threading.main_thread()
+
+    def run() -> None:
+        since = time.monotonic()
+        while main.is_alive():
+            one = watched()
+            if one is None:
+                return
+            if not one._core.is_running():
+                show(one)
+                return
+            if time.monotonic() - since >= every:
+                show(one)
+                since = time.monotonic()
+            # Not held while it sleeps: the last reference ends a render.
+            del one
+            time.sleep(min(every, 0.1))
+
+    threading.Thread(target=run, name="photosphere watch").start()
 
 
 class _Frame:
@@ -369,3 +392,29 @@ def _seconds(given: Any) -> float:
     if not match:
         raise ValueError(f"preview_every: expected a time such as 2s, not {given!r}")
     return float(match[1]) * {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0, None: 1.0}[match[2]]
+
+
+#: The endings of files that a picture is written to.
+_ENDINGS = (".png", ".exr", ".hdr", ".pfm", ".part")
+
+
+def _paths(output: Any) -> list[str]:
+    named = [output] if isinstance(output, (str, os.PathLike)) else output
+    return [os.fspath(path) for path in named]
+
+
+def _check_output(output: Any) -> None:
+    """Refuses, before any sample is rendered, what could not be written after the last one."""
+    if output is None:
+        return
+    try:
+        paths = _paths(output)
+    except TypeError:
+        raise TypeError(f"output: expected a path, or several, not {output!r}") from None
+    for path in paths:
+        folder, ending = os.path.dirname(path) or ".", os.path.splitext(path)[1].lower()
+        if ending not in _ENDINGS:
+            expected = f"a name that ends in {', '.join(_ENDINGS)}"
+            raise ValueError(f"output: expected {expected}, not {path!r}")
+        if not os.path.isdir(folder):
+            raise FileNotFoundError(f"output: there is no folder {folder!r} for {path!r}")

@@ -107,7 +107,10 @@ impl Render {
     /// meanwhile: the exception of a handler ends the wait, and the render goes on.
     fn wait(&self, py: Python<'_>, seconds: Option<f64>) -> PyResult<bool> {
         self.check_process()?;
-        let end = seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.max(0.0)));
+        // Times beyond those of the clock are no limit.
+        let end = seconds.and_then(|seconds| {
+            Instant::now().checked_add(Duration::try_from_secs_f64(seconds.max(0.0)).ok()?)
+        });
         loop {
             py.check_signals()?;
             let now = Instant::now();

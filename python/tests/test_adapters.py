@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -130,7 +131,7 @@ def test_gsd() -> None:
     assert np.allclose(made.cell.vectors[1], [3, 6, 0])  # type: ignore[union-attr]
 
 
-def test_the_entry_points_of_ase(tmp_path: Any) -> None:
+def test_the_entry_points_of_ase(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from importlib.metadata import entry_points
 
     ase = pytest.importorskip("ase")
@@ -143,4 +144,21 @@ def test_the_entry_points_of_ase(tmp_path: Any) -> None:
     path = tmp_path / "a.png"
     atoms.write(path, format="photosphere", width=64, height=48, spp=4, style="dark", quiet=True)
     assert path.read_bytes().startswith(b"\x89PNG")
-    assert "photosphere" in VIEWERS and callable(view)
+    assert "photosphere" in VIEWERS
+
+    # As ASE calls it, with a small render and no viewer.
+    from photosphere import _plugins
+
+    small = lambda atoms, **look: SimpleNamespace(  # noqa: E731
+        start=lambda: ps.from_ase(atoms, **look).start(48, 32, spp=2, quiet=True)
+    )
+    monkeypatch.setattr(_plugins, "from_ase", small)
+    opened = []
+    monkeypatch.setattr(_plugins.subprocess, "Popen", lambda words, **_: opened.append(words))
+    view(atoms, viewer="photosphere")
+    atoms.set_cell([4, 4, 4])
+    view(atoms, viewer="photosphere", repeat=(2, 1, 1))
+    assert len(opened) == 2
+    for _, file in opened:
+        assert Path(file).read_bytes().startswith(b"\x89PNG")
+        Path(file).unlink()

@@ -38,6 +38,10 @@ def with_nan() -> np.ndarray:
         (lambda: ps.spheres(GOOD, radius=[1, np.nan, 1]), "radius: row 1 is nan"),
         (lambda: ps.spheres(GOOD, radius=[1, 2]), r"radius: .*\(3,\), not \(2,\)"),
         (lambda: ps.spheres(GOOD, color=np.zeros((2, 3))), "color: expected 3 rows, not 2"),
+        (lambda: ps.spheres(GOOD, color=GOOD + [9, 0, 0]), "color: expected numbers from 0 to 1"),
+        (lambda: ps.spheres(GOOD, color=GOOD * np.nan), "color: .* in row 0"),
+        (lambda: ps.spheres(GOOD, color=np.full((3, 3), 256)), "color: .* from 0 to 255"),
+        (lambda: ps.spheres(np.ma.masked_less(GOOD, 1.0)), "positions: has masked values"),
         (lambda: ps.spheres(GOOD, color=ps.by([1, 2])), r"value: .*\(3,\), not \(2,\)"),
         (lambda: ps.Particles(GOOD, x=[1, 2, 3]), "x: the coordinates"),
         (lambda: ps.Particles(GOOD, nan="keep"), 'nan: expected "drop"'),
@@ -127,3 +131,8 @@ def test_errors_can_be_pickled() -> None:
     error = ps.Error("what", help="how", file="a.toml", line=3)
     again = pickle.loads(pickle.dumps(error))
     assert (str(again), again.file, again.line) == (str(error), "a.toml", 3)
+
+
+def test_whole_numbers_that_look_like_fractions_are_warned_of() -> None:
+    with pytest.warns(UserWarning, match="color: .*use floats"):
+        ps.spheres(GOOD, color=np.eye(3, dtype=int))

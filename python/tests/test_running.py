@@ -90,3 +90,29 @@ def test_an_import_loads_nothing_that_may_not_be_needed() -> None:
     line = [sys.executable, "-c", code]
     loaded = subprocess.run(line, capture_output=True, text=True, check=True).stdout.split()
     assert sorted(loaded) == ["__future__", "photosphere", "photosphere._core"]
+
+
+def test_a_process_ends_well_beside_previews_and_endless_renders(tmp_path: Path) -> None:
+    """Threads that are in Rust when the interpreter ends would crash it."""
+    script = """
+import numpy as np, photosphere as ps, sys
+scene = ps.spheres(np.random.default_rng(0).uniform(-5, 5, (100, 3)), radius=0.4)
+scene.render(40, 30, spp=4, preview=sys.argv[1], quiet=True)
+endless = scene.start(40, 30, spp=1_000_000_000, preview=sys.argv[1], preview_every=0.05)
+"""
+    for _ in range(3):
+        command = [sys.executable, "-c", script, str(tmp_path / "p.png")]
+        assert subprocess.run(command, timeout=300).returncode == 0
+
+
+def test_what_cannot_be_written_is_refused_before_the_first_sample(scene: ps.Scene) -> None:
+    for output, words in [("a.jpg", "ends in"), ("-", "ends in"), ("missing/a.png", "no folder")]:
+        with pytest.raises((ValueError, FileNotFoundError), match=words):
+            scene.start(output=output)
+    with pytest.raises(TypeError, match="output: expected a path"):
+        scene.start(output=3)  # type: ignore[arg-type]
+
+
+def test_an_endless_wait_may_be_written(scene: ps.Scene) -> None:
+    render = scene.start(32, 24, spp=1, quiet=True)
+    assert not render.wait(float("inf")).running

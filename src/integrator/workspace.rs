@@ -73,3 +73,15 @@ impl Workspace {
             .resize(if self.records_visible_surfaces { samples } else { 0 }, VisibleSurface::NONE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tasks that wait for others run them on their own stack, of 2 MiB, a workspace each.
+    #[test]
+    fn a_workspace_takes_little_of_the_stack() {
+        let size = size_of::<Workspace>();
+        assert!(size <= 8192, "{size} bytes");
+    }
+}

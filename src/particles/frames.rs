@@ -74,6 +74,11 @@ pub(super) fn read<F: FrameFormat>(
     check_lines(&input, lines, &head)?;
     format.tail(&mut input, &mut head)?;
     format.finish(&head, &mut batch);
+    // A line each, in order.
+    if let Some(row) = batch.positions.iter().position(|at| !at.iter().all(|x| x.is_finite())) {
+        let message = "the coordinates times the cell's edges are beyond all numbers";
+        return Err(Trouble::at(first_line + row as u64, message).into());
+    }
     let (positions, mut columns) = batch.finish(fields.names());
     if let Some((name, runs)) = head.words.filter(|(name, _)| request.columns.has(name)) {
         columns.push(Column { name: name.to_owned(), data: expand(&runs) });

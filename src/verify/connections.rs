@@ -1,9 +1,9 @@
-//! Each kind of connection over a polished ball against chance: small pictures of one ball and a lamp
-//! of angular radius 20 degrees or more, so that chance is a good judge.
+//! Each kind of connection over a polished ball against chance: small pictures of one ball and a
+//! lamp of angular radius 20 degrees or more, so that chance is a good judge.
 //!
 //! In every scene, the kind carries most of the light. Connections alone (`light`) have a bounded
-//! variance there: no lit point is at a fold, nor on the line through the ball's centre and the lamp.
-//! Next to chance (`mis`), a wide lamp is connected seldom.
+//! variance there: no lit point is at a fold, nor on the line through the ball's centre and the
+//! lamp. Next to chance (`mis`), a wide lamp is connected seldom.
 
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::Result;

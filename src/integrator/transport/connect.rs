@@ -4,10 +4,8 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::specular::{
-    CasterPair, ConnectedLight, Connection, PairSampler, RootLanes, SpecularPath,
-};
-use crate::light::{ConnectedPoint, LightSource, Lights};
+use crate::light::specular::{CasterPair, Connection, SpecularPath};
+use crate::light::{ConnectedPoint, LightSource};
 use crate::material::{Medium, MediumStack, fresnel};
 use crate::math::{DVec3, NO_SPHERE};
 use crate::sampling::Hemisphere;
@@ -17,6 +15,7 @@ use super::super::dimension;
 use super::super::trace::{PathEvent, PathRecorder};
 use super::batch::PathBatch;
 use super::next_event::Scattering;
+use super::pair_site::{PairSite, connected_kinds};
 use super::paths::{PathState, PendingDirect, ShadowQueue};
 use super::vertex::VertexNumbers;
 use super::weight::light_weight;
@@ -42,67 +41,6 @@ struct PairLight<'a> {
     kind: SpecularPath,
     /// Number of the connection at its vertex, from 1.
     number: u8,
-}
-
-/// What a vertex is connected with: a pair, by paths of these kinds.
-pub(super) struct PairSite<'a> {
-    pub(super) pairs: &'a PairSampler,
-    pub(super) pair: &'a CasterPair,
-    /// The ball that the vertex is in, by its index.
-    pub(super) inside: Option<u32>,
-    kinds: &'static [SpecularPath],
-    x: DVec3,
-    /// Edges that are left.
-    room: u32,
-}
-
-impl PairSite<'_> {
-    /// The ball, and its index of refraction, which reflection does not use.
-    fn ball(&self) -> (&Sphere, f64) {
-        let (casters, caster) = (self.pairs.casters(), self.pair.caster);
-        (&casters.all()[caster as usize].ball, casters.ior(caster).unwrap_or(1.0))
-    }
-
-    /// The kinds for which edges are left, in order.
-    fn kinds(&self) -> impl Iterator<Item = SpecularPath> + '_ {
-        self.kinds.iter().copied().filter(|kind| kind.edges() <= self.room)
-    }
-
-    /// Draws a point of the light by `u`, and hands `found` every connection to it. Returns false
-    /// if the light does not face the ball.
-    pub(super) fn connect(
-        &self,
-        lights: &Lights,
-        u: [f64; 2],
-        mut found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
-    ) -> bool {
-        let Some(point) = lights.sample_connected_point(self.pairs, self.pair, self.x, u) else {
-            return false;
-        };
-        let (ball, ior) = self.ball();
-        for kind in self.kinds() {
-            kind.connect_each(ball, ior, self.x, point.target, |connection| {
-                found(&point, kind, &connection);
-            });
-        }
-        true
-    }
-
-    /// As [`Self::connect`], with a point and roots that a lane found.
-    pub(super) fn connect_lane(
-        &self,
-        point: &ConnectedPoint,
-        (roots, lane): (&[RootLanes], usize),
-        mut found: impl FnMut(&ConnectedPoint, SpecularPath, &Connection),
-    ) {
-        let ends = (self.x, point.target);
-        // The filter of kinds leaves out the last ones.
-        for (kind, roots) in self.kinds().zip(roots) {
-            kind.connect_lane(self.ball(), ends, (roots, lane), |connection| {
-                found(point, kind, &connection);
-            });
-        }
-    }
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
@@ -283,21 +221,6 @@ impl<'a> BallLegs<'a> {
         let Sphere { center, radius } = *self.ball;
         SurfaceHit { id: self.id, t: 0.0, point, normal: (point - center) / radius, radius, side }
     }
-}
-
-/// Returns the kinds of connections over the ball of a pair from a point with this normal: none if
-/// all of the ball is below its horizon.
-pub(super) fn connected_kinds(
-    pairs: &PairSampler,
-    (caster, light): (u32, ConnectedLight),
-    inside: Option<u32>,
-    (x, normal): (DVec3, DVec3),
-) -> &'static [SpecularPath] {
-    let ball = &pairs.casters().all()[caster as usize].ball;
-    if inside.is_none() && (ball.center - x).dot(normal) <= -ball.radius {
-        return &[];
-    }
-    pairs.kinds(caster, inside.is_some(), light)
 }
 
 /// Returns what the ball multiplies radiance by, and the probability with which chance goes

@@ -19,6 +19,7 @@ mod emission;
 mod lanes;
 mod next_event;
 mod opacity;
+mod pair_site;
 mod path_tracer;
 mod paths;
 mod scatter;

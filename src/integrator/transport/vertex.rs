@@ -10,7 +10,7 @@ use crate::scene::SphereMaterial;
 
 use super::super::context::RenderContext;
 use super::super::dimension::VertexDimensions;
-use super::connect::PairSite;
+use super::pair_site::PairSite;
 
 /// A path's vertex on a surface.
 pub(super) struct SurfaceVertex<'a> {

@@ -57,7 +57,7 @@ pub(super) struct Evaluation {
 struct Term {
     sin: f64,
     cos: f64,
-    /// Its part of `d psi / d v`.
+    /// Part of `d psi / d v`.
     slope: f64,
     /// Half of its angle.
     half: Phase,

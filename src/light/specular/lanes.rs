@@ -1,17 +1,18 @@
 //! Roots of the equations of many pairs of points and one ball, found in lanes.
 //!
-//! First, every lane finds its fold and the ends of its branches. Then the searches that have a root
-//! are gathered from all lanes, since most targets have none, and run together. Lanes call the
+//! First, every lane finds its fold and the ends of its branches. Then the searches that have a
+//! root are gathered from all lanes, since most targets have none, and run together. Lanes call the
 //! functions of the scalar code, and so find the same bits.
 
 use std::marker::PhantomData;
 
 use crate::geometry::Sphere;
-use crate::math::{Isa, LANES, Lanes, Lanes3, SimdKernel};
+use crate::math::{DVec3, Isa, LANES, Lanes, Lanes3, SimdKernel};
 
+use super::connection::Connection;
 use super::deflection::{MAX_STATIONARY_STEPS, StationaryPoint};
-use super::equation::{Equation, MAX_BRANCHES, MAX_ROOTS};
-use super::path_kind::SpecularPath;
+use super::equation::{Equation, MAX_BRANCHES, MAX_ROOTS, connection_of};
+use super::path_kind::{SpecularPath, all_roots};
 use super::phase::Phase;
 use super::plane::{Target, Triangle, are_outside};
 use super::reflection::Reflection;
@@ -85,8 +86,27 @@ impl Default for RootLanes {
 }
 
 impl RootLanes {
+    /// Hands each path of a lane to `found`, in the order of [`SpecularPath::connect_each`]. All
+    /// else must be as it was when the roots were found.
+    #[inline]
+    pub fn connect_each(
+        &self,
+        lane: usize,
+        kind: SpecularPath,
+        (ball, ior): (&Sphere, f64),
+        ends: (DVec3, Target),
+        found: impl FnMut(Connection),
+    ) {
+        let of_root = |root| match kind {
+            SpecularPath::Through => connection_of::<Through<0>>(ball, ior, ends, root),
+            SpecularPath::ThroughReflected => connection_of::<Through<1>>(ball, ior, ends, root),
+            _ => connection_of::<Reflection>(ball, ior, ends, root),
+        };
+        self.of_lane(lane).map(of_root).for_each(all_roots(found));
+    }
+
     /// The roots of a lane: the number of the target, and `w`.
-    pub(super) fn of_lane(&self, lane: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    fn of_lane(&self, lane: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let root = move |(slot, w): (usize, &Lanes<f64>)| (slot / MAX_BRANCHES, w.0[lane]);
         self.0.iter().enumerate().map(root).filter(|(_, w)| *w >= 0.0)
     }

@@ -5,7 +5,6 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::connection::{Connection, Connections};
-use super::lanes::RootLanes;
 use super::plane::{Plane, Target};
 use super::reflection::{self, Reflection};
 use super::through::{self, Through};
@@ -73,23 +72,6 @@ impl SpecularPath {
         }
     }
 
-    /// As [`Self::connect_each`], with the roots that a lane found.
-    #[inline]
-    pub fn connect_lane(
-        self,
-        (ball, ior): (&Sphere, f64),
-        ends: (DVec3, Target),
-        (roots, lane): (&RootLanes, usize),
-        found: impl FnMut(Connection),
-    ) {
-        let of_root = |root| match self {
-            Self::Through => equation::connection_of::<Through<0>>(ball, ior, ends, root),
-            Self::ThroughReflected => equation::connection_of::<Through<1>>(ball, ior, ends, root),
-            _ => equation::connection_of::<Reflection>(ball, ior, ends, root),
-        };
-        roots.of_lane(lane).map(of_root).for_each(all_roots(found));
-    }
-
     /// Returns the spread of one path of this kind that was found by other means, such as by
     /// chance, from the unit directions in which it leaves x and y; `None` if no path of this kind
     /// leads from x to y.
@@ -145,7 +127,7 @@ impl SpecularPath {
 
 /// Hands on every connection, unless a fault is seeded.
 #[inline(always)]
-fn all_roots(mut found: impl FnMut(Connection)) -> impl FnMut(Connection) {
+pub(super) fn all_roots(mut found: impl FnMut(Connection)) -> impl FnMut(Connection) {
     let mut count = 0;
     move |connection| {
         count += 1;

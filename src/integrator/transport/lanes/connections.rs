@@ -1,59 +1,19 @@
 //! Connections of the vertices of a batch: the points of lights and the roots, ahead of their
 //! shadow rays.
 
-use crate::light::ConnectedPoint;
-use crate::light::specular::{
-    CasterPair, ConnectedLight, EndLanes, PairSampler, RootFinder, RootLanes, SpecularPath, Target,
-};
+use crate::light::specular::{CasterPair, ConnectedLight, PairSampler, SpecularPath, Target};
 use crate::math::{Isa, LANES};
 
 use super::super::super::dimension;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
-use super::super::connect::connected_kinds;
+use super::super::pair_site::connected_kinds;
 use super::super::paths::StageQueues;
+use super::connection_lanes::{ConnectionLanes, PairLanes};
 use super::vertex_batch::VertexBatch;
 
 /// Of fewer lanes, each is solved by itself.
 const FEWEST: u32 = 6;
-
-/// The connections of a batch to all pairs of a few.
-#[derive(Default)]
-pub(super) struct ConnectionLanes {
-    finder: RootFinder,
-    ends: EndLanes,
-    /// Of the first pairs, as many as were met.
-    pairs: Vec<PairLanes>,
-}
-
-#[derive(Default)]
-struct PairLanes {
-    /// The lanes that are solved, as a set of bits.
-    lanes: u32,
-    /// The point of the light; `None` if the light does not face the ball.
-    points: [Option<ConnectedPoint>; LANES],
-    /// The roots of each kind, in order.
-    roots: [RootLanes; SpecularPath::OVER_DIELECTRIC.len()],
-}
-
-impl ConnectionLanes {
-    /// Returns the point of the light of the n-th pair and the roots of each kind, if the lane is
-    /// solved.
-    #[inline(always)]
-    pub(super) fn of_lane(
-        &self,
-        n: u32,
-        lane: usize,
-    ) -> Option<(Option<&ConnectedPoint>, &[RootLanes])> {
-        let pair = self.pairs.get(n as usize)?;
-        (pair.lanes >> lane & 1 != 0).then(|| (pair.points[lane].as_ref(), &pair.roots[..]))
-    }
-
-    /// Forgets all lanes.
-    fn clear(&mut self) {
-        self.pairs.iter_mut().for_each(|pair| pair.lanes = 0);
-    }
-}
 
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// Solves the connections of all vertices in vacuum that were found worth it.

@@ -10,6 +10,7 @@
 //! paths that are recorded or have no Sobol numbers.
 
 mod arrive;
+mod connection_lanes;
 mod connections;
 mod finish;
 mod kernels;

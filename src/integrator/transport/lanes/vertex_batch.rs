@@ -6,7 +6,7 @@ use crate::light::{CategoryPmf, LaneLightSample, LanePoint, LightSample, LightSo
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
-use super::connections::ConnectionLanes;
+use super::connection_lanes::ConnectionLanes;
 use super::vertex_kind::VertexKind;
 
 /// The vertices that are shaded together: all of one kind.
@@ -29,10 +29,9 @@ pub(in super::super) struct VertexBatch {
     pub(super) connections: ConnectionLanes,
 }
 
-/// A batch for each kind.
-#[derive(Default)]
+/// A batch for each kind. Not on the stack: rayon's tasks, of which each has batches, nest.
 pub(in super::super::super) struct VertexBatches {
-    batches: [VertexBatch; VertexKind::COUNT],
+    batches: Vec<VertexBatch>,
 }
 
 /// Per-vertex data that no vector stage computes with.
@@ -115,6 +114,12 @@ pub(super) struct SampledSource {
 pub(super) struct BsdfSampleLanes {
     pub(super) direction: Lanes3,
     pub(super) pdf: Lanes<f64>,
+}
+
+impl Default for VertexBatches {
+    fn default() -> Self {
+        Self { batches: (0..VertexKind::COUNT).map(|_| VertexBatch::default()).collect() }
+    }
 }
 
 impl Default for LightSampleLanes {
