@@ -74,7 +74,7 @@ with tempfile.TemporaryDirectory() as folder:
             else:
                 write_dump(path, points)
             plan = json.loads(subprocess.run([PROGRAM, "info", path, "--json"], check=True, capture_output=True).stdout)
-            r = render(path, "--size", "640x480", "--spp", "16", "--radius", "0.5")
+            r = render(path, "--size", "640x480", "--spp", "16")
             whole = r["load_s"] + r["build_s"] + r["render_s"]
             peak, planned = r["peak_rss_bytes"], plan["memory_bytes"]
             print(f"{count:.0e} {ending:4} {r['load_s']:7.2f} {r['build_s']:8.2f} {r['render_s']:9.2f} "

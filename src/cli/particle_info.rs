@@ -8,7 +8,7 @@ use crate::accel::BackendChoice;
 use crate::error::Result;
 use crate::film::Aov;
 use crate::job::{Job, MemoryPlan};
-use crate::particles::{Cell, ColumnInfo, ColumnKind, ReadRequest, Survey, survey};
+use crate::particles::{Cell, ColumnInfo, ColumnKind, ReadRequest, Role, Survey, survey};
 use crate::scene::SceneSize;
 use crate::scene::description::ColorStorage;
 
@@ -20,7 +20,7 @@ use super::print;
 /// If the file cannot be read.
 pub(super) fn run(path: &Path, request: &ReadRequest, as_json: bool) -> Result<()> {
     let survey = survey(path, request)?;
-    let memory = survey.count.map(|count| planned_memory(count, survey.position_bytes));
+    let memory = survey.count.map(|count| planned_memory(count, has_f32_spheres(&survey)));
     if as_json {
         let mut value = serde_json::to_value(&survey).unwrap_or(Value::Null);
         value["format"] = json!(survey.format.name());
@@ -30,11 +30,20 @@ pub(super) fn run(path: &Path, request: &ReadRequest, as_json: bool) -> Result<(
     print::result(&text(&survey, memory))
 }
 
+/// Returns true if positions and radii are f32 with the usual options. An automatic radius is f64,
+/// and so are all spheres then.
+fn has_f32_spheres(survey: &Survey) -> bool {
+    let radius_of = |column: &ColumnInfo| Role::of(&column.name);
+    let f32_radii = [Role::Radius, Role::Element, Role::AtomicNumber];
+    let has_radii = survey.columns.iter().filter_map(radius_of).any(|r| f32_radii.contains(&r));
+    survey.position_bytes == 12 && has_radii
+}
+
 /// Memory at the peak of a render of so many particles.
-fn planned_memory(count: u64, position_bytes: u64) -> u64 {
+fn planned_memory(count: u64, is_f32: bool) -> u64 {
     let size = SceneSize {
         spheres: count,
-        f64_spheres: if position_bytes > 12 { count } else { 0 },
+        f64_spheres: if is_f32 { 0 } else { count },
         colors: count,
         color_bytes: count * ColorStorage::Packed.bytes_per_color() as u64,
         ..SceneSize::default()

@@ -28,7 +28,7 @@ const ENVIRONMENT_PIXEL_BYTES: u64 = 48;
 /// Bytes per pixel of the finished picture and its encoded file.
 const PICTURE_PIXEL_BYTES: u64 = 32;
 /// Bytes of the program itself, without and with the Embree library.
-const PROGRAM_BYTES: [u64; 2] = [10 << 20, 12 << 20];
+const PROGRAM_BYTES: [u64; 2] = [14 << 20, 16 << 20];
 /// Bytes of path state per thread.
 const THREAD_BYTES: u64 = 1 << 20;
 

@@ -148,8 +148,8 @@ impl Positions {
     /// Refuses coordinates that are not finite.
     pub(super) fn finite(self) -> Result<Self, Trouble> {
         let bad = match &self {
-            Self::F32(all) => all.par_iter().position_first(|c| c.iter().any(|x| !x.is_finite())),
-            Self::F64(all) => all.par_iter().position_first(|c| c.iter().any(|x| !x.is_finite())),
+            Self::F32(all) => first_bad(all, |x| !x.is_finite()),
+            Self::F64(all) => first_bad(all, |x| !x.is_finite()),
         };
         let Some(row) = bad else { return Ok(self) };
         let DVec3 { x, y, z } = self.get(row);
@@ -165,6 +165,16 @@ impl Positions {
             Self::F64(centers) => DVec3::from_array(centers[row]),
         }
     }
+}
+
+/// The first row with a bad coordinate. Usually there is none, so rows are looked at together.
+fn first_bad<T: Copy + Sync>(rows: &[[T; 3]], is_bad: impl Fn(T) -> bool + Sync) -> Option<usize> {
+    const ROWS: usize = 1 << 12;
+    let has_bad =
+        |rows: &[[T; 3]]| rows.as_flattened().iter().fold(false, |any, x| any | is_bad(*x));
+    let at = rows.par_chunks(ROWS).position_first(has_bad)? * ROWS;
+    let row = rows[at..].iter().position(|row| row.iter().any(|x| is_bad(*x)))?;
+    Some(at + row)
 }
 
 impl Cell {

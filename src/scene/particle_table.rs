@@ -91,11 +91,16 @@ pub(super) fn arrays(
     shade: f64,
 ) -> SphereArrays {
     let len = dressed.len();
+    let is_f32 = matches!(dressed.positions, Positions::F32(_));
     let center = match std::mem::replace(&mut dressed.positions, Positions::F32(Vec::new())) {
         Positions::F32(centers) => StridedArray::columns_from(centers),
         Positions::F64(centers) => StridedArray::columns_from(centers),
     };
     let radius = match std::mem::replace(&mut dressed.radii, Radii::Constant(0.0)) {
+        // One number that f32 holds must not double the memory of all others.
+        Radii::Constant(radius) if is_f32 && f64::from(radius as f32) == radius => {
+            StridedArray::constant(radius as f32, len)
+        }
         Radii::Constant(radius) => StridedArray::constant(radius, len),
         Radii::F32(radii) => StridedArray::from_vec(radii),
         Radii::F64(radii) => StridedArray::from_vec(radii),

@@ -9,16 +9,19 @@
 const MAX_DIGITS: usize = 19;
 
 /// Eight times the digit 0.
-const ZEROS: u64 = 0x3030_3030_3030_3030;
+pub(super) const ZEROS: u64 = 0x3030_3030_3030_3030;
 
 /// Powers of ten that are f64 without rounding, as far as they are needed.
-const POWERS: [f64; MAX_DIGITS + 1] = [
+pub(super) const POWERS: [f64; MAX_DIGITS + 1] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19,
 ];
 
+/// Bytes in which a common number ends: a sign, seven digits, a point, and two words.
+const COMMON_BYTES: usize = 25;
+
 /// Powers of ten up to that of the digits in a word.
-const INTEGER_POWERS: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+const POWERS_IN_WORD: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 
 /// 2^b / 5^k, rounded up, with the b for which it has 128 bits.
 const RECIPROCALS: [u128; MAX_DIGITS + 1] = reciprocals();
@@ -51,17 +54,12 @@ pub(super) fn leading_digits(text: &[u8], mut number: u64) -> (u64, usize) {
     let mut at = 0;
     while let Some(word) = text[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)) {
         let count = digit_count(word);
-        if count == 8 {
-            number = number.wrapping_mul(100_000_000).wrapping_add(eight_digits(word - ZEROS));
-            at += 8;
-            continue;
+        if count < 8 {
+            let earlier = number.wrapping_mul(POWERS_IN_WORD[count]);
+            return (earlier.wrapping_add(first_digits(word, count)), at + count);
         }
-        if count > 0 {
-            // Digits that are 0 come first.
-            let digits = (word.wrapping_sub(ZEROS)) << (64 - 8 * count);
-            number = number.wrapping_mul(INTEGER_POWERS[count]).wrapping_add(eight_digits(digits));
-        }
-        return (number, at + count);
+        number = number.wrapping_mul(100_000_000).wrapping_add(eight_digits(word - ZEROS));
+        at += 8;
     }
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|d| *d < 10) {
         number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
@@ -79,6 +77,13 @@ fn digit_count(word: u64) -> usize {
     others.trailing_zeros() as usize / 8
 }
 
+/// The number with the first digits of a word, at most seven.
+#[inline(always)]
+fn first_digits(word: u64, count: usize) -> u64 {
+    // Digits that are 0 come first. A shift by 64 bits is none.
+    eight_digits((word.wrapping_sub(ZEROS) << 8) << (56 - 8 * count))
+}
+
 /// The number with eight digits, each in a byte, the first one in the lowest.
 #[inline(always)]
 fn eight_digits(digits: u64) -> u64 {
@@ -93,73 +98,79 @@ fn eight_digits(digits: u64) -> u64 {
 /// exponent. What follows it may be anything.
 #[inline(always)]
 pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
-    let is_negative = text.first() == Some(&b'-');
-    let text = &text[usize::from(is_negative)..];
-    let (mantissa, whole, end) = match digits_around_point(text) {
-        Some(common) => common,
-        None => {
-            let (mut mantissa, whole) = leading_digits(text, 0);
-            let mut end = whole;
-            if text.get(end) == Some(&b'.') {
-                let (all, decimals) = leading_digits(&text[whole + 1..], mantissa);
-                (mantissa, end) = (all, whole + 1 + decimals);
-            }
-            (mantissa, whole, end)
-        }
+    match text.first_chunk().and_then(common_float) {
+        Some(common) => Some(common),
+        None => any_short_float(text),
+    }
+}
+
+/// [`short_float`] of a number with fewer than 8 digits before its point and fewer than 16 after it,
+/// as most are. Branches depend on how many digits there are, but not on which.
+#[inline(always)]
+fn common_float(text: &[u8; COMMON_BYTES]) -> Option<(f64, usize)> {
+    let word_at = |at: usize| {
+        let mut word = [0; 8];
+        word.copy_from_slice(&text[at..at + 8]);
+        u64::from_le_bytes(word)
     };
-    let decimals = (end - whole).saturating_sub(1);
-    let count = whole + decimals;
-    if count == 0 || count > MAX_DIGITS {
+    let is_negative = text[0] == b'-';
+    let start = usize::from(is_negative);
+    let before = word_at(start);
+    let whole = digit_count(before);
+    let point = start + whole;
+    if whole == 8 {
         return None;
     }
-    let value = match mantissa <= 1 << 53 || decimals == 0 {
-        true => mantissa as f64 / POWERS[decimals],
-        false => nearest_quotient(mantissa, decimals),
-    };
+    let sign = u64::from(is_negative) << 63;
+    let signed = |value: f64| f64::from_bits(value.to_bits() | sign);
+    if text[point] != b'.' {
+        return (whole > 0).then(|| (signed(first_digits(before, whole) as f64), point));
+    }
+    let after = word_at(point + 1);
+    let mut decimals = digit_count(after);
+    let mut mantissa = first_digits(before, whole);
+    if decimals < 8 {
+        mantissa = mantissa * POWERS_IN_WORD[decimals] + first_digits(after, decimals);
+    } else {
+        let last = word_at(point + 9);
+        let more = digit_count(last);
+        if more == 8 {
+            return None;
+        }
+        mantissa = mantissa * 100_000_000 + eight_digits(after - ZEROS);
+        mantissa =
+            mantissa.wrapping_mul(POWERS_IN_WORD[more]).wrapping_add(first_digits(last, more));
+        decimals += more;
+    }
+    let value = quotient(mantissa, decimals, whole + decimals)?;
+    Some((signed(value), point + 1 + decimals))
+}
+
+/// [`short_float`] of any number.
+#[inline(never)]
+fn any_short_float(text: &[u8]) -> Option<(f64, usize)> {
+    let is_negative = text.first() == Some(&b'-');
+    let text = &text[usize::from(is_negative)..];
+    let (mut mantissa, whole) = leading_digits(text, 0);
+    let (mut end, mut decimals) = (whole, 0);
+    if text.get(end) == Some(&b'.') {
+        (mantissa, decimals) = leading_digits(&text[whole + 1..], mantissa);
+        end += 1 + decimals;
+    }
+    let value = quotient(mantissa, decimals, whole + decimals)?;
     Some((if is_negative { -value } else { value }, end + usize::from(is_negative)))
 }
 
-/// The digits at the beginning of a text as an integer, how many there are before a point, and
-/// where they end. `None` if there is no point among the first 15 bytes, or fewer than 16 bytes.
-///
-/// There is no branch on the number of digits, which no processor predicts.
+/// The f64 nearest to mantissa / 10^decimals; `None` without digits, or with too many.
 #[inline(always)]
-fn digits_around_point(text: &[u8]) -> Option<(u64, usize, usize)> {
-    const BYTES: usize = 16;
-    let word = u128::from_le_bytes(*text.first_chunk::<BYTES>()?);
-    let others = other_than_digits(word);
-    let [whole, end] = [others, others & others.wrapping_sub(1)]
-        .map(|others| others.trailing_zeros() as usize / 8);
-    if whole + 1 >= BYTES || text[whole] != b'.' {
+pub(super) fn quotient(mantissa: u64, decimals: usize, digits: usize) -> Option<f64> {
+    if digits == 0 || digits > MAX_DIGITS {
         return None;
     }
-    // Without the point, and with digits that are 0 in front.
-    let before = (1 << (8 * whole)) - 1;
-    let digits = word ^ (u128::from(ZEROS) << 64 | u128::from(ZEROS));
-    let joined = digits & before | digits >> 8 & !before;
-    let count = end - 1;
-    if count == 0 {
-        return None;
-    }
-    let aligned = joined << (8 * (BYTES - count));
-    let [high, low] = [aligned as u64, (aligned >> 64) as u64].map(eight_digits);
-    let number = high * 100_000_000 + low;
-    if end < BYTES {
-        return Some((number, whole, end));
-    }
-    let (number, more) = leading_digits(&text[BYTES..], number);
-    Some((number, whole, BYTES + more))
-}
-
-/// The highest bit of each of 16 bytes that is no digit.
-#[inline(always)]
-fn other_than_digits(word: u128) -> u128 {
-    let all = |byte: u8| u128::from_le_bytes([byte; 16]);
-    // Sums of seven bits carry into no other byte.
-    let low = word & all(0x7f);
-    let from_zero = low + all(0x80 - b'0');
-    let above_nine = low + all(0x80 - b'9' - 1);
-    (!from_zero | above_nine | word) & all(0x80)
+    Some(match mantissa <= 1 << 53 || decimals == 0 {
+        true => mantissa as i64 as f64 / POWERS[decimals],
+        false => nearest_quotient(mantissa, decimals),
+    })
 }
 
 /// The f64 nearest to mantissa / 10^k, of which ties go to even, for a mantissa above 2^53 and k

@@ -3,8 +3,8 @@
 use crate::particles::request::{ColumnInfo, ColumnKind, Wanted};
 use crate::particles::trouble::Trouble;
 
-use super::batch::Kind;
 use super::number::{float, tokens};
+use super::values::Kind;
 
 /// The values of a row.
 #[derive(Clone, Debug, Default, PartialEq)]

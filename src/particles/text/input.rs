@@ -14,7 +14,7 @@ use crate::particles::trouble::{Outcome, Trouble, io_failure};
 const BLOCK_BYTES_PER_THREAD: usize = 1 << 19;
 
 /// Least and greatest size of a block.
-const BLOCK_BYTES: [usize; 2] = [1 << 20, 8 << 20];
+const BLOCK_BYTES: [usize; 2] = [1 << 19, 8 << 20];
 
 /// Longest line of rows.
 const MAX_ROW_BYTES: usize = 8 << 20;
@@ -35,20 +35,27 @@ pub(in crate::particles) struct Input {
     buffer: Vec<u8>,
     start: usize,
     line: u64,
+    /// Length of a plain file.
+    length: Option<u64>,
 }
 
 impl Input {
     /// Begins to read.
     pub(in crate::particles) fn new(source: Source) -> Self {
         let is_short = source.is_short();
-        let Source { path, head: mut buffer, rest, .. } = source;
+        let Source { path, head: mut buffer, rest, plain_length: length, .. } = source;
         let (used, spare) = channel();
         let start = if buffer.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
         let blocks = (!is_short).then(|| {
             let begun = buffer.split_off(end_of_lines(&buffer).max(start));
             read_ahead(begun, rest, spare)
         });
-        Self { path, blocks, used, buffer, start, line: 1 }
+        Self { path, blocks, used, buffer, start, line: 1, length }
+    }
+
+    /// Bytes of the whole file, if it is a plain one.
+    pub(in crate::particles) fn length(&self) -> Option<u64> {
+        self.length
     }
 
     /// Number of the next line; the first is 1.

@@ -1,11 +1,13 @@
 //! Rows of values between white space.
 
-use super::batch::{Batch, Values};
+use super::batch::Batch;
 use super::decimal::{leading_digits, short_float};
 use super::fields::{FieldUse, Fields};
+use super::marks::{MarkedRow, Separator};
 use super::number::{float, tokens};
 use super::row_values::RowValues;
 use super::rows::LineParser;
+use super::values::Values;
 
 /// Parses rows of values between white space.
 pub(in crate::particles) struct SpacedRows {
@@ -87,47 +89,57 @@ impl LineParser for SpacedRows {
         Ok(())
     }
 
-    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
-        if self.has_quotes {
-            return None;
-        }
-        let mut at = 0;
+    fn separator(&self) -> Option<Separator> {
+        (!self.has_quotes).then_some(Separator::Blanks)
+    }
+
+    fn values(&self) -> Option<&[FieldUse]> {
+        (!self.has_quotes).then_some(&self.values.uses)
+    }
+
+    fn parse_quickly(&self, row: MarkedRow<'_>, to: &mut Batch) -> Option<usize> {
+        let MarkedRow { text, start, marks } = row;
+        let uses = &self.values.uses[..];
+        let marks = marks.get(..uses.len())?;
+        // Where the last value ends that was parsed.
+        let mut end = start;
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for is in &self.values.uses[..self.last] {
-            at = skip_blanks(text, at);
-            let rest = &text[at..];
+        for (is, &at) in uses[..self.last].iter().zip(marks) {
+            let at = at as usize;
             let length = match is {
-                FieldUse::Skipped => token_length(rest),
+                FieldUse::Skipped => continue,
                 FieldUse::Position(axis) => {
-                    let (value, length) = short_float(rest)?;
+                    let (value, length) = short_float(&text[at..])?;
                     position[*axis] = value;
                     length
                 }
-                FieldUse::Column(_) => push_quickly(columns.next()?, rest, token_length)?,
+                FieldUse::Column(_) => push_quickly(columns.next()?, &text[at..], token_length)?,
             };
-            at += length;
-            if length == 0 || !is_blank_or_end(text, at) {
+            if has_line_end(&text[end..at]) {
+                return None;
+            }
+            end = at + length;
+            if *text.get(end)? > b' ' {
                 return None;
             }
         }
-        for _ in self.last..self.values.uses.len() {
-            at = skip_blanks(text, at);
-            let length = token_length(&text[at..]);
-            if length == 0 {
+        if self.last < uses.len() {
+            let at = *marks.last()? as usize;
+            if has_line_end(&text[end..at]) {
                 return None;
             }
-            at += length;
+            end = at + token_length(&text[at..]);
         }
-        at = skip_blanks(text, at);
-        if self.allows_more && at < text.len() && text[at] > b' ' {
-            at += memchr::memchr(b'\n', &text[at..])?;
+        end = skip_blanks(text, end);
+        if self.allows_more && end < text.len() && text[end] > b' ' {
+            end += memchr::memchr(b'\n', &text[end..])?;
         }
-        if text.get(at)? != &b'\n' {
+        if text.get(end)? != &b'\n' {
             return None;
         }
         to.positions.push(position);
-        Some(at + 1)
+        Some(end + 1)
     }
 }
 
@@ -182,9 +194,14 @@ fn skip_blanks(text: &[u8], mut at: usize) -> usize {
     at
 }
 
+/// Returns true if a line ends between two values.
 #[inline(always)]
-fn is_blank_or_end(text: &[u8], at: usize) -> bool {
-    text.get(at).is_none_or(|&byte| byte <= b' ')
+fn has_line_end(gap: &[u8]) -> bool {
+    match gap {
+        [] => false,
+        [blank] => *blank == b'\n',
+        _ => memchr::memchr(b'\n', gap).is_some(),
+    }
 }
 
 /// Length of the token at the beginning of a text.

@@ -58,6 +58,11 @@ impl Words {
         self.short.clear();
     }
 
+    /// Takes memory for more words, if there is as much.
+    pub(in crate::particles) fn reserve(&mut self, count: usize) {
+        let _ = self.words.codes.try_reserve_exact(count);
+    }
+
     /// Keeps the first words. The others may stay known.
     pub(in crate::particles) fn truncate(&mut self, count: usize) {
         self.words.codes.truncate(count);

@@ -8,8 +8,8 @@ use crate::particles::model::Particles;
 use crate::particles::request::{ColumnInfo, ColumnKind, ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{
-    Batch, Field, FieldUse, Fields, Input, Kind, LineParser, Section, SpacedRows, Words, integer,
-    read_rows,
+    Batch, Field, FieldUse, Fields, Input, Kind, LineParser, MarkedRow, Section, Separator,
+    SpacedRows, Words, integer, read_rows,
 };
 use crate::particles::trouble::{Outcome, Trouble, plural};
 
@@ -90,9 +90,14 @@ impl LineParser for Uncommented {
         self.0.parse(&line[..end], to)
     }
 
-    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
-        let end = memchr::memchr2(b'#', b'\n', text)?;
-        if text[end] == b'#' { None } else { self.0.parse_quickly(text, to) }
+    fn separator(&self) -> Option<Separator> {
+        self.0.separator()
+    }
+
+    fn parse_quickly(&self, row: MarkedRow<'_>, to: &mut Batch) -> Option<usize> {
+        let lines = row.lines();
+        let end = memchr::memchr2(b'#', b'\n', lines)?;
+        if lines[end] == b'#' { None } else { self.0.parse_quickly(row, to) }
     }
 }
 

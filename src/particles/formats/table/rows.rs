@@ -1,8 +1,8 @@
 //! Rows of a table.
 
 use crate::particles::text::{
-    Batch, FieldUse, Fields, LineParser, RowValues, float, float_with_comma, push_quickly,
-    short_float,
+    Batch, FieldUse, Fields, LineParser, MarkedRow, RowValues, Separator, float, float_with_comma,
+    push_quickly, short_float,
 };
 
 /// Parses rows with a delimiter. Empty lines and comments are left out.
@@ -20,8 +20,16 @@ impl<P: LineParser> LineParser for Commented<P> {
         if is_comment(line) { Ok(()) } else { self.0.parse(line, to) }
     }
 
-    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
-        if may_be_comment(text) { None } else { self.0.parse_quickly(text, to) }
+    fn separator(&self) -> Option<Separator> {
+        self.0.separator()
+    }
+
+    fn values(&self) -> Option<&[FieldUse]> {
+        self.0.values()
+    }
+
+    fn parse_quickly(&self, row: MarkedRow<'_>, to: &mut Batch) -> Option<usize> {
+        if may_be_comment(row.lines()) { None } else { self.0.parse_quickly(row, to) }
     }
 }
 
@@ -96,48 +104,50 @@ impl LineParser for DelimitedRows {
         Ok(())
     }
 
-    fn parse_quickly(&self, text: &[u8], to: &mut Batch) -> Option<usize> {
-        if self.has_decimal_comma || may_be_comment(text) {
+    fn separator(&self) -> Option<Separator> {
+        (!self.has_decimal_comma).then_some(Separator::Delimiter(self.delimiter))
+    }
+
+    fn values(&self) -> Option<&[FieldUse]> {
+        (!self.has_decimal_comma).then_some(&self.values.uses)
+    }
+
+    fn parse_quickly(&self, row: MarkedRow<'_>, to: &mut Batch) -> Option<usize> {
+        if may_be_comment(row.lines()) {
             return None;
         }
-        let cell_length = |text: &[u8]| {
-            let is_end = |byte: &u8| *byte == self.delimiter || matches!(byte, b'\n' | b'\r');
-            let cell = &text[..text.iter().position(is_end).unwrap_or(text.len())];
-            cell.trim_ascii_end().len()
-        };
-        let mut at = 0;
+        let (text, uses) = (row.text, &self.values.uses[..]);
+        // The last one is where the next line begins.
+        let marks = row.marks.get(..=uses.len())?;
         let mut position = [0.0; 3];
         let mut columns = to.columns.iter_mut();
-        for (index, is) in self.values.uses.iter().enumerate() {
-            if index > 0 {
-                at = skip_spaces(text, at);
-                if *text.get(at)? != self.delimiter {
-                    return None;
-                }
-                at += 1;
-            }
-            at = skip_spaces(text, at);
-            let rest = &text[at..];
-            if rest.first() == Some(&b'"') {
+        for (index, (is, cell)) in uses.iter().zip(marks.windows(2)).enumerate() {
+            let (start, end) = (skip_spaces(text, cell[0] as usize), cell[1] as usize - 1);
+            let is_last = index + 1 == uses.len();
+            let cell = text.get(start..end)?;
+            if (text[end] == b'\n') != is_last || cell.first() == Some(&b'"') {
                 return None;
             }
-            at += match is {
-                FieldUse::Skipped => cell_length(rest),
+            let length = match is {
+                FieldUse::Skipped => continue,
                 FieldUse::Position(axis) => {
-                    let (value, length) = short_float(rest)?;
+                    let (value, length) = short_float(&text[start..])?;
                     position[*axis] = value;
                     length
                 }
-                FieldUse::Column(_) => push_quickly(columns.next()?, rest, cell_length)?,
+                FieldUse::Column(_) => {
+                    let word_length = |_: &[u8]| cell.trim_ascii_end().len();
+                    push_quickly(columns.next()?, &text[start..], word_length)?
+                }
             };
-        }
-        at = skip_spaces(text, at);
-        at += usize::from(text.get(at) == Some(&b'\r'));
-        if *text.get(at)? != b'\n' {
-            return None;
+            let mut after = skip_spaces(text, start + length);
+            after += usize::from(is_last && text.get(after) == Some(&b'\r'));
+            if after != end {
+                return None;
+            }
         }
         to.positions.push(position);
-        Some(at + 1)
+        Some(*marks.last()? as usize)
     }
 }
 

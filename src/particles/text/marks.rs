@@ -1,0 +1,204 @@
+//! Where the values of a text begin, found before any of them is parsed.
+//!
+//! A parser that learns where a value begins from the end of the one before waits for each. With all
+//! beginnings known, a processor works on several values at once (as in Langdale and Lemire,
+//! "Parsing gigabytes of JSON per second", 2019).
+
+use crate::math::{Isa, SimdKernel};
+
+/// What separates values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::particles) enum Separator {
+    /// White space, any number of bytes. A value begins with another byte after it.
+    Blanks,
+    /// This byte, or the end of a line. A value begins with the byte after it, whatever that is.
+    Delimiter(u8),
+}
+
+/// Bytes that are looked at together, one bit for each.
+const WORD: usize = 64;
+
+/// Beginnings of a word that are stored without asking how many there are.
+const USUAL: usize = 12;
+
+/// Where the values of a text begin. The memory is used again for the next text.
+#[derive(Debug, Default)]
+pub(in crate::particles) struct Marks {
+    starts: Vec<u32>,
+    count: usize,
+}
+
+/// A line within a text, with the beginnings of values.
+#[derive(Clone, Copy)]
+pub(in crate::particles) struct MarkedRow<'t> {
+    /// Whole lines.
+    pub(in crate::particles) text: &'t [u8],
+    /// Where the line begins.
+    pub(in crate::particles) start: usize,
+    /// Where its values and those of the lines after it begin.
+    pub(in crate::particles) marks: &'t [u32],
+}
+
+impl<'t> MarkedRow<'t> {
+    /// The line, and those after it.
+    pub(in crate::particles) fn lines(&self) -> &'t [u8] {
+        &self.text[self.start..]
+    }
+}
+
+impl Marks {
+    /// Marks the values of a text below 4 GiB, which begins with a line.
+    pub(in crate::particles) fn mark(&mut self, text: &[u8], separator: Separator, isa: Isa) {
+        isa.run(Marking { to: self, text, separator });
+    }
+
+    #[inline(always)]
+    fn mark_all(&mut self, text: &[u8], separator: Separator) {
+        self.count = 0;
+        match separator {
+            Separator::Blanks => {
+                self.mark_with(text, |byte| byte <= b' ', |blank, follows| follows & !blank);
+            }
+            Separator::Delimiter(delimiter) => {
+                let is_end = |byte| byte == delimiter || byte == b'\n';
+                self.mark_with(text, is_end, |_, follows| follows);
+            }
+        }
+    }
+
+    /// The beginnings, in order. A delimiter at the end of the text has one after it.
+    pub(in crate::particles) fn starts(&self) -> &[u32] {
+        &self.starts[..self.count]
+    }
+
+    /// `starts` makes the bits of beginnings from those of separators and of what follows them.
+    #[inline(always)]
+    fn mark_with(
+        &mut self,
+        text: &[u8],
+        is_separator: impl Fn(u8) -> bool,
+        starts: impl Fn(u64, u64) -> u64,
+    ) {
+        // A line begins like what follows a separator.
+        let mut carry = 1;
+        let words = text.chunks_exact(WORD);
+        let rest = words.remainder();
+        let mut base = 0;
+        for word in words.filter_map(|word| word.first_chunk()) {
+            let separators = bits(word, &is_separator);
+            self.push(base, starts(separators, separators << 1 | carry));
+            carry = separators >> (WORD - 1);
+            base += WORD as u32;
+        }
+        // Zeros are blanks.
+        let mut last = [0; WORD];
+        last[..rest.len()].copy_from_slice(rest);
+        let separators = bits(&last, &is_separator);
+        // With the end of the text, where a value may begin that has no bytes.
+        let is_inside = (2u64 << rest.len()).wrapping_sub(1);
+        self.push(base, starts(separators, separators << 1 | carry) & is_inside);
+    }
+
+    /// Adds the beginnings in a word. Each step needs the one before, so vectors do not help.
+    #[inline(never)]
+    fn push(&mut self, base: u32, mut bits: u64) {
+        if self.starts.len() < self.count + WORD {
+            self.starts.resize((2 * self.starts.len()).max(1 << 10), 0);
+        }
+        let Some(to) = self.starts[self.count..].first_chunk_mut::<WORD>() else { return };
+        let count = bits.count_ones() as usize;
+        let mut next = |start: &mut u32| {
+            *start = base + bits.trailing_zeros();
+            bits &= bits.wrapping_sub(1);
+        };
+        // Those after the last one are overwritten.
+        to[..USUAL].iter_mut().for_each(&mut next);
+        if count > USUAL {
+            to[USUAL..count].iter_mut().for_each(next);
+        }
+        self.count += count;
+    }
+}
+
+/// Marks a text with vector instructions.
+struct Marking<'a> {
+    to: &'a mut Marks,
+    text: &'a [u8],
+    separator: Separator,
+}
+
+impl SimdKernel for Marking<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.to.mark_all(self.text, self.separator);
+    }
+}
+
+/// A bit for each byte that is a separator, the lowest one for the first.
+#[inline(always)]
+fn bits(bytes: &[u8; WORD], is_separator: impl Fn(u8) -> bool) -> u64 {
+    /// Moves the lowest bit of each byte into the highest byte.
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let mut flags = [0; WORD];
+    for (flag, byte) in flags.iter_mut().zip(bytes) {
+        *flag = u8::from(is_separator(*byte));
+    }
+    let mut bits = 0;
+    for at in 0..WORD / 8 {
+        let mut word = [0; 8];
+        word.copy_from_slice(&flags[8 * at..8 * at + 8]);
+        bits |= u64::from_le_bytes(word).wrapping_mul(GATHER) >> 56 << (8 * at);
+    }
+    bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn starts(text: &str, separator: Separator) -> Vec<u32> {
+        let mut marks = Marks::default();
+        marks.mark(text.as_bytes(), separator, Isa::best());
+        marks.starts().to_vec()
+    }
+
+    /// What [`Marks`] should find, byte by byte.
+    fn expected(text: &str, separator: Separator) -> Vec<u32> {
+        let bytes = text.as_bytes();
+        let is_separator = |at: usize| match separator {
+            Separator::Blanks => bytes[at] <= b' ',
+            Separator::Delimiter(delimiter) => bytes[at] == delimiter || bytes[at] == b'\n',
+        };
+        let begins = |at: &usize| {
+            let follows = *at == 0 || is_separator(at - 1);
+            let is_blank =
+                separator == Separator::Blanks && (*at == bytes.len() || is_separator(*at));
+            follows && !is_blank
+        };
+        (0..=bytes.len()).filter(begins).map(|at| at as u32).collect()
+    }
+
+    #[test]
+    fn values_begin_after_separators() {
+        assert_eq!(starts(" a  bc\r\nd\n", Separator::Blanks), [1, 4, 8]);
+        assert_eq!(starts("a,,b c\nd,\n", Separator::Delimiter(b',')), [0, 2, 3, 7, 9, 10]);
+    }
+
+    #[test]
+    fn texts_of_any_length_have_their_marks() {
+        let mut state = 1u32;
+        for length in 0..400 {
+            let text: String = (0..length)
+                .map(|_| {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    [' ', ',', '\n', '\t', '7', '7', 'x', '.'][(state >> 29) as usize]
+                })
+                .collect();
+            for text in [&text, &text.replace([' ', '\n', '\t'], "8"), &",".repeat(length)] {
+                for separator in [Separator::Blanks, Separator::Delimiter(b',')] {
+                    assert_eq!(starts(text, separator), expected(text, separator), "{text:?}");
+                }
+            }
+        }
+    }
+}
