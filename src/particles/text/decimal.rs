@@ -104,8 +104,8 @@ pub(in crate::particles) fn short_float(text: &[u8]) -> Option<(f64, usize)> {
     }
 }
 
-/// [`short_float`] of a number with fewer than 8 digits before its point and fewer than 16 after it,
-/// as most are. Branches depend on how many digits there are, but not on which.
+/// [`short_float`] of a number with fewer than 8 digits before its point and fewer than 16 after
+/// it, as most are. Branches depend on how many digits there are, but not on which.
 #[inline(always)]
 fn common_float(text: &[u8; COMMON_BYTES]) -> Option<(f64, usize)> {
     let word_at = |at: usize| {

@@ -19,8 +19,8 @@ pub(super) struct Digits {
     pub(super) decimals: Lanes<u64>,
 }
 
-/// The digits at the end of words; `None` if there is anything else, or not one point in each number
-/// if they should have one.
+/// The digits at the end of words; `None` if there is anything else, or not one point in each
+/// number if they should have one.
 #[inline(always)]
 pub(super) fn digits<const WORDS: usize>(
     words: &[Lanes<u64>; WORDS],
@@ -88,7 +88,8 @@ fn last_bytes(count: u64) -> u64 {
 #[inline(always)]
 fn points_of(word: u64) -> u64 {
     let other = word ^ (u64::from(b'.') * ONES);
-    !((other & (0x7f * ONES)) + 0x7f * ONES | other) & (0x80 * ONES)
+    let is_other = ((other & (0x7f * ONES)) + 0x7f * ONES) | other;
+    !is_other & (0x80 * ONES)
 }
 
 /// The number with eight digits, the first one in the lowest byte, by steps that every vector

@@ -1,7 +1,7 @@
 //! Where the values of a text begin, found before any of them is parsed.
 //!
-//! A parser that learns where a value begins from the end of the one before waits for each. With all
-//! beginnings known, a processor works on several values at once (as in Langdale and Lemire,
+//! A parser that learns where a value begins from the end of the one before waits for each. With
+//! all beginnings known, a processor works on several values at once (as in Langdale and Lemire,
 //! "Parsing gigabytes of JSON per second", 2019).
 
 use crate::math::{Isa, SimdKernel};

@@ -57,8 +57,8 @@ pub(in crate::particles) enum Section {
 }
 
 impl Section {
-    /// How many rows follow, about, if the first ones take so many bytes of a file. No more than the
-    /// budget allows: a header may promise any number.
+    /// How many rows follow, about, if the first ones take so many bytes of a file. No more than
+    /// the budget allows: a header may promise any number.
     fn rows_left(&self, first: &Batch, bytes: u64, length: u64, budget: Budget) -> usize {
         let (rows, held) = (first.positions.len() as u64, first.bytes());
         let all = rows.saturating_mul(length) / bytes.max(1);
