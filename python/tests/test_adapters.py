@@ -153,6 +153,7 @@ def test_the_entry_points_of_ase(tmp_path: Any, monkeypatch: pytest.MonkeyPatch)
         start=lambda: ps.from_ase(atoms, **look).start(48, 32, spp=2, quiet=True)
     )
     monkeypatch.setattr(_plugins, "from_ase", small)
+    monkeypatch.setattr(_plugins, "_in_notebook", lambda: False)
     opened = []
     monkeypatch.setattr(_plugins.subprocess, "Popen", lambda words, **_: opened.append(words))
     view(atoms, viewer="photosphere")
