@@ -115,8 +115,8 @@ fn noise_progress(
 }
 
 /// Estimates the error that a fraction `confidence` of the values stay below, from about a thousand
-/// pixels in tiles spread over the picture. Takes a few milliseconds. `None` before any error is
-/// known.
+/// pixels in tiles spread over the picture. Takes a few milliseconds. `None` before something is
+/// known of each of those tiles.
 pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
     let tiles = AdaptiveTiles::new(film.frame());
     let step = tiles.len().div_ceil(PROBED_TILES).max(1);

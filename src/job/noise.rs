@@ -176,12 +176,12 @@ impl TileNoise {
 }
 
 /// The error that a fraction `confidence` of the values of all tiles stay below, to three digits;
-/// `None` if nothing is known.
+/// `None` while nothing is known of a tile: the first tiles to be known may be plain sky.
 pub(super) fn error_quantile(tiles: &[TileNoise], confidence: f64) -> Option<f64> {
-    let values: usize = tiles.iter().map(|tile| tile.channels.len()).sum();
-    if values == 0 {
+    if tiles.is_empty() || tiles.iter().any(|tile| tile.channels.is_empty()) {
         return None;
     }
+    let values: usize = tiles.iter().map(|tile| tile.channels.len()).sum();
     let fraction_above = |error: f64| {
         let exceeding = |tile: &TileNoise| tile.fraction_above(error) * tile.channels.len() as f64;
         tiles.iter().map(exceeding).sum::<f64>() / values as f64
@@ -301,6 +301,7 @@ mod tests {
         assert_relative_eq!(tile(edge).error_quantile(0.95).unwrap(), 0.01, max_relative = 1e-3);
         let both = [tile(edge), tile(edge)];
         assert_relative_eq!(error_quantile(&both, 0.95).unwrap(), 0.01, max_relative = 1e-3);
+        assert_eq!(error_quantile(&[tile(edge), TileNoise::default()], 0.95), None);
     }
 
     #[test]
