@@ -5,8 +5,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use photosphere::cli::keywords::{KeywordRender, OpenedScene, scene_warnings};
+use photosphere::cli::keywords::{KeywordRender, OpenedScene};
 use photosphere::image_io::AtomicFile;
+use photosphere::job::scene_warnings;
 use photosphere::job::{Checkpoint, Job, OutputSpec, RunOutcome, Session, SessionOptions};
 use photosphere::overlay::OverlaySpec;
 use photosphere::scene::{ColumnLayers, Override, SceneFile};

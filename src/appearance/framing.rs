@@ -4,17 +4,22 @@
 //! pushes each plane outward; the outermost position of each plane gives the camera in closed form,
 //! in one pass over the spheres.
 
+use std::fmt;
+
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::math::DVec3;
 
-/// Vertical field of view of a perspective, in degrees: a short telephoto lens, which distorts
-/// little.
-const VERTICAL_FOV_DEGREES: f64 = 30.0;
+/// The names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Direction in which the camera stands, seen from the particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Direction in which the camera stands, seen from the spheres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ViewDirection {
+    /// This one, of any length but 0.
+    Towards(DVec3),
     /// From an axis: its index, and true for its negative end.
     Axis(usize, bool),
     /// Degrees counterclockwise about the up direction, and degrees above the horizon. For z up,
@@ -41,10 +46,10 @@ pub enum Projection {
 pub struct Framing {
     /// Where the camera stands.
     pub view: ViewDirection,
-    /// The unit vector of the axis that points up.
+    /// The unit vector that points up.
     pub up: DVec3,
-    /// True for parallel rays.
-    pub orthographic: bool,
+    /// Vertical field of view of a perspective, in degrees; `None` for parallel rays.
+    pub vertical_fov_degrees: Option<f64>,
     /// Enlarges the picture about its centre.
     pub zoom: f64,
     /// Width of the picture divided by its height.
@@ -88,7 +93,12 @@ impl ViewDirection {
         (elevation.abs() <= 90.0).then_some(Self::Angles { azimuth, elevation })
     }
 
-    /// Unit vector from the particles to the camera, and the up direction in the picture.
+    /// Unit vector from the spheres to the camera, for this unit vector that points up.
+    pub fn towards(self, up: DVec3) -> DVec3 {
+        self.axes(up).0
+    }
+
+    /// Unit vector from the spheres to the camera, and the up direction in the picture.
     fn axes(self, up: DVec3) -> (DVec3, DVec3) {
         let first = if up.z.abs() > 0.5 {
             DVec3::X
@@ -97,8 +107,10 @@ impl ViewDirection {
         } else {
             DVec3::Y
         };
+        let first = (first - up * up.dot(first)).normalize();
         let second = up.cross(first);
         let towards = match self {
+            Self::Towards(direction) => (direction / direction.abs().max_element()).normalize(),
             Self::Axis(axis, is_negative) => {
                 DVec3::AXES[axis] * if is_negative { -1.0 } else { 1.0 }
             }
@@ -113,9 +125,24 @@ impl ViewDirection {
     }
 }
 
+/// As in the text that [`ViewDirection::parse`] reads; three numbers for any other direction.
+impl fmt::Display for ViewDirection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::ISO => f.write_str("iso"),
+            Self::Axis(index, is_negative) => {
+                let sign = if is_negative { "-" } else { "" };
+                write!(f, "{sign}{}", AXES[index])
+            }
+            Self::Angles { azimuth, elevation } => write!(f, "{azimuth},{elevation}"),
+            Self::Towards(DVec3 { x, y, z }) => write!(f, "[{x}, {y}, {z}]"),
+        }
+    }
+}
+
 /// Index of the axis with this name.
 pub(super) fn axis_named(name: &str) -> Option<usize> {
-    ["x", "y", "z"].iter().position(|axis| *axis == name)
+    AXES.iter().position(|axis| *axis == name)
 }
 
 /// Parses the direction that points up: an axis, such as `z` or `-y`.
@@ -133,16 +160,16 @@ pub fn frame(
     count: usize,
     sphere: impl Fn(usize) -> (DVec3, f64) + Sync,
 ) -> Option<FramedCamera> {
-    let Framing { view, up, orthographic, zoom, aspect, margins } = *framing;
+    let Framing { view, up, vertical_fov_degrees, zoom, aspect, margins } = *framing;
     let (towards, picture_up) = view.axes(up);
     let forward = -towards;
     let right = forward.cross(picture_up).normalize();
     let above = right.cross(forward);
-    let tan = libm::tan(0.5 * VERTICAL_FOV_DEGREES.to_radians());
+    let orthographic = vertical_fov_degrees.is_none();
+    let tan = vertical_fov_degrees.map_or(0.0, |fov| libm::tan(0.5 * fov.to_radians()));
     // Slopes of the left, right, bottom and top planes; parallel rays have planes without slope.
     let [left, right_margin, top, bottom] = margins.map(|share| 1.0 - 2.0 * share);
-    let perspective = if orthographic { 0.0 } else { tan };
-    let slopes = [aspect * left, aspect * right_margin, bottom, top].map(|x| x * perspective);
+    let slopes = [aspect * left, aspect * right_margin, bottom, top].map(|x| x * tan);
     let lengths = slopes.map(|slope| (1.0 + slope * slope).sqrt());
     let nothing = [f64::INFINITY; 6];
     let merge = |a: [f64; 6], b: [f64; 6]| std::array::from_fn(|i| a[i].min(b[i]));
@@ -265,7 +292,7 @@ mod tests {
                     let framing = Framing {
                         view: ViewDirection::parse(view).unwrap(),
                         up: DVec3::Z,
-                        orthographic,
+                        vertical_fov_degrees: (!orthographic).then_some(30.0),
                         zoom: 1.0,
                         aspect,
                         margins,
@@ -297,6 +324,13 @@ mod tests {
         assert!((direction - DVec3::X).length() < 1e-12 && up == DVec3::Y);
         let (direction, _) = towards("0,90", DVec3::Z);
         assert!((direction - DVec3::Z).length() < 1e-12);
+        let slanted = DVec3::new(0.6, 0.0, 0.8);
+        for view in [ViewDirection::ISO, ViewDirection::Towards(DVec3::new(3e200, 0.0, 0.0))] {
+            let (direction, _) = view.axes(slanted);
+            assert!((direction.length() - 1.0).abs() < 1e-12, "{view:?}");
+        }
+        let (direction, _) = ViewDirection::ISO.axes(slanted);
+        assert!((direction.dot(slanted) - (1.0f64 / 3.0).sqrt()).abs() < 1e-12);
         for wrong in ["", "w", "1", "1,2,3", "0,91", "a,b", "nan,0"] {
             assert_eq!(ViewDirection::parse(wrong), None, "{wrong}");
         }
@@ -309,7 +343,7 @@ mod tests {
         let framing = Framing {
             view: ViewDirection::ISO,
             up: DVec3::Z,
-            orthographic: true,
+            vertical_fov_degrees: None,
             zoom: 2.0,
             aspect: 1.0,
             margins: [0.0; 4],

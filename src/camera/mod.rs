@@ -203,6 +203,36 @@ impl Camera {
         }
     }
 
+    /// Returns true if a ray that passes the picture at most `margin` pixels outside may meet a
+    /// sphere. Conservative: may return true although no ray does, never the reverse.
+    pub fn may_see(&self, sphere: &Sphere, margin: f64) -> bool {
+        if self.may_start_inside(sphere, margin) {
+            return true;
+        }
+        let to_center = sphere.center - self.position;
+        let [x, y, z] = [self.right, self.up, self.forward].map(|axis| to_center.dot(axis));
+        let [across, upwards] = self.half_size(margin);
+        // Rounding, and what a lens adds to the sides.
+        let reach = sphere.radius + self.max_origin_distance(margin) + 1e-9 * to_center.length();
+        match self.model {
+            CameraModel::Panoramic { .. } => true,
+            CameraModel::Orthographic { .. } => {
+                z + reach >= self.near
+                    && x.abs() <= across + sphere.radius + 1e-9 * across
+                    && y.abs() <= upwards + sphere.radius + 1e-9 * upwards
+            }
+            CameraModel::Perspective { lens, .. } => {
+                // A ray through the edge of the lens leaves the picture at another slope.
+                let tilt = lens.map_or(0.0, |lens| lens.aperture.radius / lens.focus_distance);
+                let is_inside = |side: f64, extent: f64| {
+                    let slope = extent + tilt;
+                    side.abs() - slope * z <= reach * (1.0 + slope * slope).sqrt()
+                };
+                z + reach >= self.near && is_inside(x, across) && is_inside(y, upwards)
+            }
+        }
+    }
+
     /// Returns true if a ray that passes the picture at most `margin` pixels outside may start
     /// inside a sphere. Conservative: may return true although no ray does, never the reverse.
     pub fn may_start_inside(&self, sphere: &Sphere, margin: f64) -> bool {

@@ -99,27 +99,16 @@ fn camera_rays(prepared: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay
 }
 
 fn table(results: &[CrosscheckResult]) -> String {
-    const COLUMNS: [i32; 12] = [-12, 9, 9, 11, 13, 7, 7, 8, 10, 7, 11, 9];
-    let mut text = row(
-        COLUMNS,
-        [
-            "",
-            "rays",
-            "equal",
-            "ambiguous",
-            "passed over",
-            "wrong",
-            "lost",
-            "ghosts",
-            "distance",
-            "sides",
-            "occlusion",
-            "t error",
-        ],
-    );
+    const COLUMNS: [i32; 11] = [-11, 9, 7, 7, 6, 5, 7, 6, 6, 6, 8];
+    const HEADINGS: [&str; COLUMNS.len()] = [
+        "", "equal", "ambig.", "passed", "wrong", "lost", "ghosts", "dist.", "sides", "occl.",
+        "t error",
+    ];
+    let rays = results.first().map_or(0, |result| result.rays);
+    let mut text = format!("{} by each intersector\n", print::count(rays, "ray"));
+    text += &row(COLUMNS, HEADINGS);
     for result in results {
         let counts = [
-            result.rays,
             result.exact,
             result.ambiguous,
             result.hidden_hits,
@@ -130,12 +119,13 @@ fn table(results: &[CrosscheckResult]) -> String {
             result.wrong_sides,
             result.wrong_occlusions,
         ];
-        let [a, b, c, d, e, f, g, h, i, j] = &counts.map(|count| count.to_string());
+        let [a, b, c, d, e, f, g, h, i] = &counts.map(|count| count.to_string());
         let error = format!("{:.3}", result.max_distance_error);
-        text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, j, &error]);
+        text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, &error]);
     }
     let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
-    text += "passed over: ambiguous answers behind another sphere\n\
+    text += "ambig.: answers that rounding leaves open; passed: of these, the ones passed over for\n\
+             another sphere; dist., sides, occl.: wrong distances, sides and occlusions;\n\
              t error: the largest error of a distance, relative to the tolerance\n";
     text += &match failures {
         0 => "every answer is within the stated tolerance\n".to_owned(),
@@ -144,7 +134,7 @@ fn table(results: &[CrosscheckResult]) -> String {
     text
 }
 
-/// Names the spheres of a disagreement as the user knows them: ` 7 = row 2 "ball"`.
+/// Names the spheres of a disagreement as the user knows them: ` 7 = `ball``.
 fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
     let Disagreement { ray, backend_hit: answered, exact_hit: judged, .. } = disagreement;
     let hits = [answered, judged].map(|hit| hit.map_or(NO_SPHERE, |(id, _)| id));
@@ -153,14 +143,11 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
     ids.dedup();
     // A broken intersector may return a sphere that does not exist.
     ids.retain(|&id| (id as usize) < scene.spheres().len());
-    let row = |id: u32| {
-        let name = scene.name(id).map(|name| format!(" {name:?}")).unwrap_or_default();
-        format!(" {id} = row {}{name}", scene.spheres().row(id))
-    };
+    let name = |id: u32| format!(" {id} = `{}`", scene.name_of_row(scene.spheres().row(id)));
     if ids.is_empty() {
         return String::new();
     }
-    format!(" spheres{}", ids.into_iter().map(row).collect::<Vec<_>>().join(","))
+    format!(" spheres{}", ids.into_iter().map(name).collect::<Vec<_>>().join(","))
 }
 
 /// Explanation at the head of a dump.

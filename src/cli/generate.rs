@@ -30,7 +30,7 @@ pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
     interrupt::listen();
     on_threads(args.threads, || write_table(&recipe, table, &args.output))?;
     if let (Some(file), Some(path)) = (scene, &args.scene) {
-        let text = scene_text(&recipe, &table_as_seen_from(path, &args.output));
+        let text = scene_text(&recipe, &table_as_seen_from(path, &args.output), args.floor);
         file.write(|to| to.write_all(text.as_bytes()))?;
         let path = path.display();
         print::note(format_args!("wrote {path}; try: photosphere render {path} -o picture.png"));

@@ -2,16 +2,16 @@
 
 use crate::error::{Error, Result};
 use crate::film::Aov;
+use crate::job::scene_warnings;
 use crate::particles::ReadRequest;
 use crate::report::{FileRecords, SceneSummary, is_picture};
-use crate::scene::read_file;
 
 use super::args::InfoArgs;
 use super::exit::Exit;
 use super::memory::MemoryNeeds;
 use super::particle_file::ParticleFile;
 use super::system::on_threads;
-use super::{memory, particle_info, print, render};
+use super::{memory, particle_info, print, scene_file};
 
 /// Runs the command.
 ///
@@ -40,7 +40,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     on_threads(args.scene.threads(), || {
-        let file = read_file(&args.scene.path, &args.scene.overrides())?;
+        let file = scene_file::read(&args.scene.path, &args.scene.overrides())?;
         let plan = memory::json(&file);
         if !args.json {
             // Printed before loading, for which there may not be enough memory.
@@ -50,7 +50,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         let needs = MemoryNeeds { backends: &backends, kinds: &Aov::DEFAULT, besides: 0 };
         memory::check(&file, &needs, args.memory.limit)?;
         let (scene, settings) = file.build()?;
-        render::about_spheres(&scene, &settings.image).iter().for_each(print::warning);
+        scene_warnings(&scene, &settings).iter().for_each(print::warning);
         let summary = SceneSummary::of(&scene, &settings);
         match args.json {
             true => print::json(&summary.with_memory_plan(plan))?,

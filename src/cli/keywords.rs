@@ -9,13 +9,13 @@ use clap::{Arg, ArgAction};
 use crate::error::{Error, Result};
 use crate::job::{CheckpointHeader, Job, OutputSpec};
 use crate::overlay::OverlaySpec;
-use crate::scene::{Override, Scene, SceneFile, Settings, TableInput, read_file, read_text_with};
+use crate::scene::{Override, SceneFile, Settings, TableInput, read_file, read_text_with};
 use crate::studio::{Import, StudioOptions, Style, import_particles, overlay_spec};
 
 use super::args::{Command, help};
 use super::memory::{self, MemoryNeeds};
 use super::particle_file::ParticleFile;
-use super::render::{RenderRequest, about_spheres, scene_text};
+use super::render::{RenderRequest, scene_text};
 
 /// An option of `photosphere render`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -244,11 +244,6 @@ impl From<Import> for OpenedScene {
         let Import { text, scene, choices, notes } = import;
         Self { file: scene, text: Some(text), notes, choices }
     }
-}
-
-/// Returns warnings about a scene: duplicate spheres, and a camera inside a sphere.
-pub fn scene_warnings(scene: &Scene, settings: &Settings) -> Vec<String> {
-    about_spheres(scene, &settings.image)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::job::{self, Observer};
 use super::print;
 
 const BETWEEN_LINES: Duration = Duration::from_secs(3);
-const BAR: &str = "{bar:24} {percent:>3} %  {msg}";
+const BAR: &str = "{bar:10} {percent:>3} %  {msg}";
 
 /// The state to display.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,8 +25,10 @@ pub(super) struct ProgressState {
     pub(super) samples_total: u64,
     /// Samples per second.
     pub(super) rate: f64,
-    /// The relative error of the picture so far.
+    /// The error of the whole picture so far.
     pub(super) error: Option<f64>,
+    /// That of the tile with the largest, with a noise target.
+    pub(super) worst_error: Option<f64>,
     /// Tiles that have reached the noise target, and all tiles.
     pub(super) tiles: Option<[usize; 2]>,
     /// The estimated time left, as text.
@@ -54,6 +56,7 @@ impl ProgressState {
             samples_total: progress.samples_total,
             rate: progress.rate,
             error: progress.error,
+            worst_error: progress.worst_error,
             tiles: progress.tiles_converged,
             left: progress.time_left.as_ref().map(eta::format_time_range),
         }
@@ -109,9 +112,12 @@ impl ProgressDisplay {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
+                // The whole may turn out to be more than was expected, but the bar does not go
+                // back.
+                let shown = bar.position() as f64 / bar.length().unwrap_or(0).max(1) as f64;
                 bar.set_length(all);
                 bar.set_message(beside());
-                bar.set_position(done);
+                bar.set_position(done.max((shown * all as f64) as u64).min(all));
             }
             Self::Lines { last, between } => {
                 // If the lock is taken, another thread is printing a line.
@@ -176,16 +182,25 @@ fn line(state: &ProgressState) -> String {
     format!("{:.0} % of {total}samples, {}", 100.0 * share.min(1.0), details(state))
 }
 
-/// Formats everything but the fraction done.
+/// Two digits suffice for what changes while one reads it.
+fn short_percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
+    if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+}
+
+/// Formats everything but the fraction done, in at most 62 columns: with the bar, 80.
 fn details(state: &ProgressState) -> String {
-    let rate = format!("{}samples/s", print::si(state.rate));
-    let error = state.error.map(|error| format!("error {}", print::percent(error)));
-    let tiles = state.tiles.map(|[done, all]| format!("{done} of {all} tiles converged"));
+    // With a noise target, what is left to do says more than the rate.
+    let rate = state.tiles.is_none().then(|| format!("{}samples/s", print::si(state.rate)));
+    let error = state.error.map(|error| format!("error {}", short_percent(error)));
+    let worst = state.worst_error.map(|error| format!("worst {}", short_percent(error)));
+    let tiles = state.tiles.map(|[done, all]| format!("{done}/{all} tiles"));
     let left = match &state.left {
         Some(left) => format!("{left} left"),
-        None => "estimating the time left".to_owned(),
+        None => "estimating".to_owned(),
     };
-    let words: Vec<String> = [Some(rate), error, tiles, Some(left)].into_iter().flatten().collect();
+    let words = [rate, error, worst, tiles, Some(left)];
+    let words: Vec<String> = words.into_iter().flatten().collect();
     words.join(", ")
 }
 
@@ -203,11 +218,36 @@ mod tests {
             ..ProgressState::default()
         };
         assert_eq!(line(&state), "25 % of 4.00 Msamples, 100 ksamples/s, 30 s left");
-        let state = ProgressState { error: Some(0.0234), tiles: Some([3, 40]), ..state };
-        let expected = "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 tiles converged, 30 s left";
-        assert_eq!(line(&state), expected);
+        let noise = ProgressState {
+            error: Some(0.0234),
+            worst_error: Some(0.179),
+            tiles: Some([3, 40]),
+            ..state.clone()
+        };
+        let expected = "25 % of 4.00 Msamples, error 2.3 %, worst 18 %, 3/40 tiles, 30 s left";
+        assert_eq!(line(&noise), expected);
         let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
-        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, estimating the time left");
+        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, estimating");
+    }
+
+    #[test]
+    fn a_bar_fits_a_terminal_and_does_not_go_back() {
+        let longest = ProgressState {
+            error: Some(0.0987),
+            worst_error: Some(1.234),
+            tiles: Some([10_000, 10_000]),
+            left: Some("10 to 99 min".to_owned()),
+            ..ProgressState::default()
+        };
+        assert!(details(&longest).len() <= 62, "{}", details(&longest));
+        let bar = ProgressBar::hidden();
+        let display = ProgressDisplay::Bar(bar.clone());
+        for (done, total, shown) in [(50, 100, 0.5), (60, 1200, 0.5), (900, 1200, 0.75)] {
+            let state =
+                ProgressState { samples_done: done, samples_total: total, ..longest.clone() };
+            display.show(&state);
+            assert_eq!(bar.position() as f64 / bar.length().unwrap() as f64, shown);
+        }
     }
 
     #[test]

@@ -7,6 +7,8 @@ use crate::error::{Error, Result};
 use crate::particles::{ReadRequest, survey_bytes};
 use crate::scene::{Override, SceneFile, read_file, read_stream};
 
+use super::print;
+
 /// The name of a scene from the standard input.
 pub(super) const STANDARD_INPUT: &str = "standard input";
 
@@ -20,10 +22,12 @@ pub(super) fn is_stdin(path: &Path) -> bool {
 /// # Errors
 /// If the scene cannot be read, or has mistakes.
 pub(super) fn read(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
-    match is_stdin(path) {
+    let file = match is_stdin(path) {
         true => read_stdin(overrides),
         false => read_file(path, overrides),
-    }
+    }?;
+    file.notes.iter().for_each(print::note);
+    Ok(file)
 }
 
 fn read_stdin(overrides: &[Override]) -> Result<SceneFile> {

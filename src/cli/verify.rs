@@ -111,7 +111,10 @@ fn facts(args: &VerifyArgs, seconds: f64) -> Vec<(&'static str, String)> {
         Effort::Full => "full",
     };
     let threads = rayon::current_num_threads();
-    facts.push(("effort", format!("{effort}: {seconds:.0} s on {threads} threads")));
+    facts.push((
+        "effort",
+        format!("{effort}: {seconds:.0} s on {}", print::count(threads, "thread")),
+    ));
     facts
 }
 

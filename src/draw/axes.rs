@@ -64,6 +64,8 @@ pub struct Axes {
     pub names: [&'static str; 2],
     pub(super) x: Range<f64>,
     pub(super) y: Range<f64>,
+    /// Numbers that the horizontal axis names, in ascending order; none for the powers of ten.
+    pub(super) x_ticks: Vec<f64>,
 }
 
 impl Axes {
@@ -73,7 +75,38 @@ impl Axes {
         xs: impl Iterator<Item = f64> + Clone,
         ys: impl Iterator<Item = f64> + Clone,
     ) -> Option<Self> {
-        Some(Self { names, x: range(xs)?, y: range(ys)? })
+        Some(Self { names, x: range(xs)?, y: range(ys)?, x_ticks: Vec::new() })
+    }
+
+    /// With these numbers on the horizontal axis, as far as there is room for them.
+    #[must_use]
+    pub fn with_x_ticks(self, ticks: impl Iterator<Item = f64>) -> Self {
+        let mut x_ticks: Vec<f64> = ticks.filter(|x| x.is_finite() && *x > 0.0).collect();
+        x_ticks.sort_by(f64::total_cmp);
+        x_ticks.dedup();
+        Self { x_ticks, ..self }
+    }
+
+    /// Draws the ticks of the horizontal axis, each far enough from the one before.
+    fn draw_x_ticks(&self, chart: &mut LogChart<'_, '_>) -> DrawResult {
+        let mut free_from = i32::MIN;
+        for &x in &self.x_ticks {
+            let label = tick_label(x);
+            let half_width = 4 * SCALE as i32 * label.len() as i32;
+            let middle = chart.backend_coord(&(x, self.y.start)).0;
+            if middle - half_width < free_from {
+                continue;
+            }
+            free_from = middle + half_width;
+            let style = (FONT, 12 * SCALE).into_font().color(&INK);
+            let style = style.pos(Pos::new(HPos::Center, VPos::Top));
+            let below = |y: i32| (0, y * SCALE as i32);
+            let line = PathElement::new(vec![below(0), below(4)], INK);
+            let text = Text::new(label, below(6), style);
+            chart
+                .draw_series(std::iter::once(EmptyElement::at((x, self.y.start)) + line + text))?;
+        }
+        Ok(())
     }
 
     pub(super) fn draw<'b, 'a>(&self, area: &'b Area<'a>) -> DrawResult<LogChart<'b, 'a>> {
@@ -92,12 +125,16 @@ impl Axes {
             .max_light_lines(10)
             .label_style(font(12))
             .axis_desc_style(font(13))
-            .x_label_formatter(&|value| decimal(*value))
+            .x_label_formatter(&|value| match self.x_ticks.is_empty() {
+                true => decimal(*value),
+                false => String::new(),
+            })
             .y_label_formatter(&|value| decimal(*value))
             .axis_style(INK)
             .bold_line_style(FAINT)
             .light_line_style(FAINTER)
             .draw()?;
+        self.draw_x_ticks(&mut chart)?;
         Ok(chart)
     }
 }
@@ -165,6 +202,11 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f64>> {
     let has_two = high.floor() - low.ceil() >= 1.0;
     let (low, high) = if has_two { (low, high) } else { (low.floor() - 0.06, high.ceil() + 0.06) };
     Some(libm::exp10(low)..libm::exp10(high))
+}
+
+/// Formats a number of an axis, which is a count or has few digits.
+fn tick_label(value: f64) -> String {
+    if value < 1e5 { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Formats a power of ten for people.

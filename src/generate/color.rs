@@ -19,7 +19,8 @@ pub(super) fn albedo(
         }
         Arrangement::Packed => palette(0.45 + 0.22 * gyroid(placed.center * 9.0) + 0.15 * jitter),
         Arrangement::Clusters => palette(placed.hue + 0.1 * jitter),
-        Arrangement::Lattice => placed.center + 0.5,
+        // The cube of colours, pale, so that the eye finds rest.
+        Arrangement::Lattice => (placed.center + 0.5).lerp(DVec3::new(0.62, 0.6, 0.56), 0.55),
     };
     (0.02 + 0.85 * color.clamp(DVec3::ZERO, DVec3::ONE)).as_vec3().to_array()
 }

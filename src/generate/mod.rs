@@ -186,9 +186,10 @@ mod tests {
     fn the_lattice_is_one() {
         let rows = rows(Arrangement::Lattice, 1000);
         let (first, second) = (parts(&rows[0]).0, parts(&rows[1]).0);
-        assert!(first.distance(DVec3::splat(-0.45)) < 1e-6);
+        // The layers go from the front to the back.
+        assert!(first.distance(DVec3::new(-0.45, -0.45, 0.45)) < 1e-6);
         assert!((second - first).distance(DVec3::X * 0.1) < 1e-6);
-        assert!(parts(&rows[999]).0.distance(DVec3::splat(0.45)) < 1e-6);
+        assert!(parts(&rows[999]).0.distance(DVec3::new(0.45, 0.45, -0.45)) < 1e-6);
     }
 
     #[test]

@@ -51,7 +51,8 @@ pub(super) struct Cluster {
     hue: f64,
 }
 
-/// A grid of cubic cells around the origin, with x varying fastest and z slowest.
+/// A grid of cubic cells around the origin, with x varying fastest and z slowest and from the
+/// front. The last layer, which may not be full, is then at the back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     cell: f64,
@@ -138,7 +139,7 @@ impl Grid {
     /// The lowest corner of a cell.
     fn corner_of(&self, cell: u64) -> DVec3 {
         let [nx, ny, nz] = self.counts;
-        let place = [cell % nx, cell / nx % ny, cell / nx / ny].map(|i| i as f64);
+        let place = [cell % nx, cell / nx % ny, nz - 1 - cell / nx / ny].map(|i| i as f64);
         let half = DVec3::from_array([nx, ny, nz].map(|n| n as f64 / 2.0));
         self.cell * (DVec3::from_array(place) - half)
     }

@@ -15,8 +15,21 @@ impl Recipe {
     }
 }
 
-/// Returns the text of a scene that renders the table `file`.
-pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
+/// A floor just below the box, so large that its edge is out of sight.
+const FLOOR: &str = r#"
+[materials.floor]
+type = "diffuse"
+albedo = [0.6, 0.58, 0.55]
+
+[[spheres]]
+name = "floor"
+center = [0.0, -1000.54, 0.0]
+radius = 1000.0
+material = "floor"
+"#;
+
+/// Returns the text of a scene that renders the table `file`, over a floor if asked for.
+pub fn scene_text(recipe: &Recipe, file: &Path, has_floor: bool) -> String {
     let Recipe { arrangement, count, seed, colors, .. } = recipe;
     let name = arrangement.name();
     let own = if *colors { ", with colours" } else { "" };
@@ -24,6 +37,7 @@ pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
     // JSON string escapes are valid in TOML.
     let file = serde_json::Value::from(file.display().to_string());
     let Viewpoint { position, fov, zenith, horizon, nadir, sun } = preset_for(*arrangement);
+    let floor = if has_floor { FLOOR } else { "" };
     format!(
         r#"# {count} generated spheres: {name}, seed {seed}{own}.
 
@@ -53,7 +67,7 @@ irradiance = {sun:?}
 [materials.grain]
 type = "diffuse"
 albedo = [0.78, 0.76, 0.72]
-
+{floor}
 [[sphere_tables]]
 file = {file}
 columns = ["x", "y", "z", "radius"{columns}]

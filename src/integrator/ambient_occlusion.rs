@@ -46,8 +46,7 @@ impl Integrator for AmbientOcclusion {
             let ray = primary.hit.map(|surface| self.occlusion_ray(prepared, address, &surface));
             let (direct, alpha) = match ray {
                 Some(_) => (Rgb::ZERO, 1.0),
-                None if scene.camera_sees_background() => (Rgb::ONE, 0.0),
-                None => (Rgb::ZERO, 0.0),
+                None => (scene.seen_by_camera(Rgb::ONE), 0.0),
             };
             radiance[index] = PathRadiance { direct, indirect: Rgb::ZERO, alpha };
             if let Some(Some(ray)) = ray {

@@ -22,6 +22,9 @@ pub(super) fn bsdf_extra(depth: u32) -> u32 {
     (3 << 30) + 4 * depth
 }
 
+/// What a shadow catcher needs for its candidates and to choose among them: four dimensions.
+pub(super) const SHADOW_CATCHER: u32 = 6 << 29;
+
 /// The opacity test at the end of edge `depth`, after `passthroughs` surfaces were passed straight
 /// through.
 pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {

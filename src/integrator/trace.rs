@@ -213,6 +213,8 @@ pub enum Termination {
     LowThroughput,
     /// The integrator follows light through one scattering only.
     DirectOnly,
+    /// The camera sees only the shadow on the surface.
+    ShadowCatcher,
 }
 
 /// Receives the events of a path from the stages.

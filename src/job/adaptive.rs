@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::film::Film;
 
 use super::adaptive_tiles::AdaptiveTiles;
+use super::display_scale::DisplayScale;
 use super::noise::{self, NoiseTarget, TileNoise, error_quantile};
 use super::progressive::ProgressiveRenderer;
 
@@ -59,6 +60,7 @@ pub fn render_adaptive(
 ) -> Result<(NoiseProgress, bool)> {
     let film = renderer.film();
     let tiles = AdaptiveTiles::new(film.frame());
+    let scale = target.display_scale();
     let mut decisions = vec![Decision { samples: 0, error: f64::INFINITY }; tiles.len()];
     on_progress(&noise_progress(film, &tiles, &decisions, target, max_samples));
     let mut samples = MIN_ADAPTIVE_SAMPLES.min(max_samples);
@@ -66,7 +68,7 @@ pub fn render_adaptive(
         let is_active =
             |film_tile: usize| decisions[tiles.containing(film_tile)].error > target.error;
         let complete = renderer.render_to_sample(samples, &is_active)?;
-        decisions = update_decisions(film, &tiles, &decisions, samples, target);
+        decisions = update_decisions(film, &tiles, &decisions, samples, (target, scale.as_ref()));
         let progress = noise_progress(film, &tiles, &decisions, target, max_samples);
         renderer.counters().set_samples_total(progress.expected_samples.end);
         on_progress(&progress);
@@ -85,11 +87,14 @@ fn update_decisions(
     tiles: &AdaptiveTiles,
     decisions: &[Decision],
     samples: u32,
-    target: NoiseTarget,
+    (target, scale): (NoiseTarget, Option<&DisplayScale>),
 ) -> Vec<Decision> {
     let update = |(tile, previous): (usize, &Decision)| {
         let is_due = previous.error > target.error && tiles.has_samples(film, tile, samples);
-        if is_due { Decision::new(&tiles.noise(film, tile), samples, target) } else { *previous }
+        match is_due {
+            true => Decision::new(&tiles.noise(film, tile, scale), samples, target),
+            false => *previous,
+        }
     };
     decisions.par_iter().enumerate().map(update).collect()
 }
@@ -114,10 +119,11 @@ fn noise_progress(
     }
 }
 
-/// Estimates the error that a fraction `confidence` of the values stay below, from about a thousand
-/// pixels in tiles spread over the picture. Takes a few milliseconds. `None` before something is
-/// known of each of those tiles.
-pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
+/// Estimates the error, in the unit of the target, that its share of the values stays below, from
+/// about a thousand pixels in tiles spread over the picture. Takes a few milliseconds. `None`
+/// before something is known of each of those tiles.
+pub fn estimate_error(film: &Film, target: &NoiseTarget) -> Option<f64> {
+    let scale = target.display_scale();
     let tiles = AdaptiveTiles::new(film.frame());
     let step = tiles.len().div_ceil(PROBED_TILES).max(1);
     let sampled_tiles: Vec<_> =
@@ -125,9 +131,11 @@ pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
     let pixels: usize = sampled_tiles.iter().map(Vec::len).sum();
     // Odd, so that the samples do not fall into one column of each tile.
     let stride = (pixels / PROBED_PIXELS).max(1) | 1;
-    let sampled_tiles: Vec<TileNoise> =
-        sampled_tiles.iter().map(|pixels| TileNoise::with_stride(pixels, stride)).collect();
-    error_quantile(&sampled_tiles, confidence)
+    let sampled_tiles: Vec<TileNoise> = sampled_tiles
+        .iter()
+        .map(|pixels| TileNoise::with_stride(pixels, scale.as_ref(), stride))
+        .collect();
+    error_quantile(&sampled_tiles, target.confidence)
 }
 
 /// Half-width of the confidence interval around each pixel's mean, per channel, in row order of the
@@ -193,7 +201,7 @@ fn next_decision(samples: u32, max_samples: u32) -> u32 {
 mod tests {
     use super::*;
 
-    const TARGET: NoiseTarget = NoiseTarget { error: 0.01, confidence: 0.95 };
+    const TARGET: NoiseTarget = NoiseTarget { error: 0.01, confidence: 0.95, display: None };
 
     #[test]
     fn decisions_double_and_end_at_the_most() {

@@ -3,6 +3,7 @@
 
 use crate::film::{Film, FilmFrame, PixelEstimate, TILE_SIZE};
 
+use super::display_scale::DisplayScale;
 use super::noise::TileNoise;
 
 /// Side of an adaptive tile in pixels.
@@ -68,8 +69,13 @@ impl AdaptiveTiles {
     }
 
     /// Noise statistics of a tile.
-    pub(super) fn noise(&self, film: &Film, tile: usize) -> TileNoise {
-        TileNoise::new(&self.estimates(film, tile))
+    pub(super) fn noise(
+        &self,
+        film: &Film,
+        tile: usize,
+        scale: Option<&DisplayScale>,
+    ) -> TileNoise {
+        TileNoise::new(&self.estimates(film, tile), scale)
     }
 
     /// Estimates of a tile's pixels, film tile by film tile.

@@ -29,10 +29,14 @@ impl BudgetedTimer {
 
     /// Runs the work if it is due.
     pub fn run_if_due(&mut self, work: impl FnOnce()) {
-        let now = Instant::now();
-        if now < self.due {
-            return;
+        if Instant::now() >= self.due {
+            self.run_now(work);
         }
+    }
+
+    /// Runs the work, due or not. Its cost counts.
+    pub fn run_now(&mut self, work: impl FnOnce()) {
+        let now = Instant::now();
         work();
         self.cost = now.elapsed();
         self.spent += self.cost;

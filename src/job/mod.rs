@@ -12,6 +12,7 @@ mod budgeted_timer;
 mod checkpoint;
 mod cryptomatte;
 pub mod diff;
+mod display_scale;
 pub mod eta;
 mod film_format;
 mod memory;
@@ -24,6 +25,7 @@ mod outcome;
 mod pick;
 mod picture_record;
 mod progressive;
+mod quality;
 mod recorded;
 mod render_state;
 pub mod reproduce;
@@ -34,6 +36,7 @@ mod save_request;
 mod session;
 mod shown_colors;
 mod spec;
+mod warnings;
 
 pub use adaptive::{
     MIN_ADAPTIVE_SAMPLES, NoiseProgress, confidence_half_widths, estimate_error, render_adaptive,
@@ -49,14 +52,16 @@ pub use memory::{MemoryPhase, MemoryPlan};
 pub use metadata::{COMMIT, Metadata, RunRecord, VERSION};
 pub use noise::NoiseTarget;
 pub use observer::{Observer, RenderProgress};
-pub use outcome::{NoiseStatus, RenderResult, RunOutcome, StopReason, frame_crop, render_warnings};
+pub use outcome::{NoiseStatus, RenderResult, RunOutcome, StopReason, frame_crop};
 pub use pick::{Pick, pick, pick_in_scene};
 pub use picture_record::PictureRecord;
 pub use progressive::{Counters, ProgressiveRenderer};
+pub use quality::Quality;
 pub use samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
 pub use save_request::SaveRequest;
 pub use session::{Session, SessionOptions};
 pub use spec::{Job, StopCriteria, UNLIMITED_SAMPLES};
+pub use warnings::{render_warnings, scene_warnings};
 
 use crate::accel::Accel;
 use crate::error::Result;

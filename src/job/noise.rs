@@ -19,8 +19,11 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::PixelEstimate;
+
+use super::display_scale::DisplayScale;
 
 /// Weight of the tile's mean variance in the variance of each value.
 const SHARED_VARIANCE_WEIGHT: f64 = 1.0 / 16.0;
@@ -33,10 +36,14 @@ const MIN_RELATIVE_BRIGHTNESS: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseTarget {
-    /// The largest error of a value, relative to its pixel's brightness; in (0, 1).
+    /// The largest error of a value, relative to its pixel's brightness; or with `display`, that of
+    /// the displayed value, of which white is 1. In (0, 1).
     pub error: f64,
     /// The fraction of values that must have a smaller error than that; in (0, 1).
     pub confidence: f64,
+    /// How the picture is looked at, if errors are those of displayed values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub display: Option<ViewTransform>,
 }
 
 impl NoiseTarget {
@@ -45,7 +52,12 @@ impl NoiseTarget {
 
     /// A relative error, such as 0.01, for 95 % of the values.
     pub fn new(error: f64) -> Self {
-        Self { error, confidence: Self::CONFIDENCE }
+        Self { error, confidence: Self::CONFIDENCE, display: None }
+    }
+
+    /// The scale of errors in displayed values, if they are those.
+    pub(super) fn display_scale(&self) -> Option<DisplayScale> {
+        self.display.map(|view| DisplayScale::new(view, self.error))
     }
 
     /// Checks that both numbers are in (0, 1).
@@ -53,7 +65,7 @@ impl NoiseTarget {
     /// # Errors
     /// States the two numbers.
     pub(super) fn validate(self) -> Result<()> {
-        let Self { error, confidence } = self;
+        let Self { error, confidence, display: _ } = self;
         let is_fraction = |x: f64| x > 0.0 && x < 1.0;
         if is_fraction(error) && is_fraction(confidence) {
             return Ok(());
@@ -64,10 +76,18 @@ impl NoiseTarget {
     }
 }
 
-/// As in "0.01 for 0.95 of the values".
+/// As in "0.01 for 0.95 of the values", and "2 of 255 shown for 0.95 of the values".
 impl fmt::Display for NoiseTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} for {} of the values", self.error, self.confidence)
+        match self.display {
+            None => write!(f, "{} for {} of the values", self.error, self.confidence),
+            Some(view) => {
+                let view = view.to_string();
+                let through = if view.is_empty() { String::new() } else { format!(" ({view})") };
+                let steps = 255.0 * self.error;
+                write!(f, "{steps:.3} of 255 shown{through} for {} of the values", self.confidence)
+            }
+        }
     }
 }
 
@@ -137,22 +157,29 @@ pub(super) fn confidence_half_widths(pixels: &[PixelEstimate], confidence: f64) 
 
 impl TileNoise {
     /// Builds the statistics from the estimates of a tile's pixels. Pixels with fewer than two
-    /// blocks and non-finite pixels are left out.
-    pub(super) fn new(pixels: &[PixelEstimate]) -> Self {
-        Self::with_stride(pixels, 1)
+    /// blocks and non-finite pixels are left out. With a `scale`, errors are those of displayed
+    /// values.
+    pub(super) fn new(pixels: &[PixelEstimate], scale: Option<&DisplayScale>) -> Self {
+        Self::with_stride(pixels, scale, 1)
     }
 
     /// Builds the statistics from every `stride`-th pixel. The pooled variance still uses all
     /// pixels.
-    pub(super) fn with_stride(pixels: &[PixelEstimate], stride: usize) -> Self {
+    pub(super) fn with_stride(
+        pixels: &[PixelEstimate],
+        scale: Option<&DisplayScale>,
+        stride: usize,
+    ) -> Self {
         let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
         let min_brightness = MIN_RELATIVE_BRIGHTNESS * mean(&known, brightness);
         let pooled = PooledVariance::new(&known);
         let pixel_noise = |pixel: &&PixelEstimate| {
-            let brightness = brightness(pixel).max(min_brightness);
-            pooled
-                .standard_errors(pixel)
-                .map(|standard_error| ChannelNoise { brightness, standard_error })
+            let relative = brightness(pixel).max(min_brightness);
+            let errors = pooled.standard_errors(pixel);
+            std::array::from_fn::<_, 3, _>(|axis| ChannelNoise {
+                brightness: scale.map_or(relative, |scale| scale.brightness(pixel.mean[axis])),
+                standard_error: errors[axis],
+            })
         };
         Self { channels: known.iter().step_by(stride).flat_map(pixel_noise).collect() }
     }
@@ -292,8 +319,8 @@ mod tests {
 
     #[test]
     fn equal_pixels_are_done_when_their_interval_is_as_narrow_as_the_target() {
-        let tile = |deviation| TileNoise::new(&[pixel(2.0, deviation, 1 << 20); 256]);
-        let target = NoiseTarget { error: 0.01, confidence: 0.95 };
+        let tile = |deviation| TileNoise::new(&[pixel(2.0, deviation, 1 << 20); 256], None);
+        let target = NoiseTarget { error: 0.01, confidence: 0.95, display: None };
         // 1.96 standard deviations are 1 % of 2.
         let edge = 0.02 / 1.959964;
         assert!(tile(0.999 * edge).meets(target));
@@ -309,10 +336,10 @@ mod tests {
         let with_noisy = |count: usize| {
             let mut pixels = vec![pixel(1.0, 0.0, 1 << 20); 1000];
             pixels[..count].fill(pixel(1.0, 1e-3, 1 << 20));
-            TileNoise::new(&pixels)
+            TileNoise::new(&pixels, None)
         };
         // A third of a standard deviation of the noisy pixels, and many of the shared one.
-        let target = NoiseTarget { error: 3.3e-4, confidence: 0.95 };
+        let target = NoiseTarget { error: 3.3e-4, confidence: 0.95, display: None };
         assert!(with_noisy(50).meets(target));
         assert!(!with_noisy(100).meets(target));
         let difference = with_noisy(50).fraction_above(target.error) - 0.05 * 0.74;
@@ -335,16 +362,16 @@ mod tests {
         let mut pixels = vec![pixel(1.0, 0.0, 8); 100];
         pixels[0] = pixel(1e-6, 0.0, 8);
         assert_eq!(
-            TileNoise::new(&pixels).channels[0].brightness,
+            TileNoise::new(&pixels, None).channels[0].brightness,
             MIN_RELATIVE_BRIGHTNESS * mean(&pixels.iter().collect::<Vec<_>>(), brightness)
         );
         pixels[0] = pixel(f64::NAN, f64::NAN, 8);
         pixels[1] = pixel(1.0, f64::NAN, 1);
-        let tile = TileNoise::new(&pixels);
+        let tile = TileNoise::new(&pixels, None);
         assert_eq!((tile.channels.len(), tile.error_quantile(0.95)), (3 * 98, Some(0.0)));
         assert_eq!(confidence_half_widths(&pixels, 0.95)[1], [f64::INFINITY; 3]);
-        assert_eq!(TileNoise::new(&[]).error_quantile(0.95), None);
-        let black = TileNoise::new(&[pixel(0.0, 0.0, 4); 4]);
-        assert!(black.meets(NoiseTarget { error: 1e-6, confidence: 0.99 }));
+        assert_eq!(TileNoise::new(&[], None).error_quantile(0.95), None);
+        let black = TileNoise::new(&[pixel(0.0, 0.0, 4); 4], None);
+        assert!(black.meets(NoiseTarget { error: 1e-6, confidence: 0.99, display: None }));
     }
 }

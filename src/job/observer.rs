@@ -36,6 +36,8 @@ pub struct RenderProgress {
     pub rate: f64,
     /// Error of the picture so far, relative to the brightness of its pixels.
     pub error: Option<f64>,
+    /// The largest error of any tile, with a noise target and once every tile has one.
+    pub worst_error: Option<f64>,
     /// Number of tiles that meet the noise target, and of all tiles.
     pub tiles_converged: Option<[usize; 2]>,
     /// Lower and upper bound of the remaining time; `None` if unknown.

@@ -6,11 +6,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::film::{Film, FilmFrame};
+use crate::film::FilmFrame;
 use crate::image_io::Picture;
 use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
-use crate::integrator::RenderStats;
-use crate::scene::PreparedScene;
 
 use super::adaptive::NoiseProgress;
 use super::metadata::Metadata;
@@ -162,24 +160,4 @@ pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
         full_size: full_size.map(|pixels| pixels as usize),
         offset: [window.x, window.y].map(|pixels| pixels as usize),
     })
-}
-
-/// Warnings for the user about a film of the prepared scene.
-pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Film) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if prepared.render_settings().clamp_indirect.is_some() {
-        let options = prepared.render_settings().biases().join(", ");
-        warnings.push(format!("the picture is biased by {options}"));
-    }
-    if let Some((count, [x, y])) = film.non_finite_samples() {
-        warnings.push(format!(
-            "{count} samples were infinite or not a number and were left out, such as in column {x}, \
-             row {y}: please report this"
-        ));
-    }
-    if stats.truncated_paths > 0 {
-        let count = stats.truncated_paths;
-        warnings.push(format!("{count} paths were cut off after 10000 edges, which loses light"));
-    }
-    warnings
 }

@@ -184,7 +184,7 @@ impl RenderState {
     }
 
     pub(super) fn estimate_error(&self) -> Option<f64> {
-        estimate_error(&self.film, self.job.until.confidence())
+        estimate_error(&self.film, &self.job.until.reported_target())
     }
 
     /// Metadata of a picture developed from `film`.
@@ -307,6 +307,10 @@ impl RenderState {
             samples_total: total.end,
             rate: estimate.rate(),
             error,
+            worst_error: noise_progress
+                .as_ref()
+                .map(|noise_progress| noise_progress.worst_error)
+                .filter(|error| error.is_finite()),
             tiles_converged: noise_progress
                 .map(|noise_progress| [noise_progress.tiles_converged, noise_progress.tiles]),
             time_left: estimate.time_left().filter(|_| is_known || time_left.is_some()),

@@ -72,7 +72,8 @@ pub(super) fn check_can_continue(
 /// under `recorded_target` is then also valid under `target`.
 fn is_at_least_as_strict(target: NoiseTarget, recorded_target: Option<NoiseTarget>) -> bool {
     recorded_target.is_some_and(|recorded_target| {
-        target.confidence == recorded_target.confidence && target.error <= recorded_target.error
+        (target.confidence, target.display) == (recorded_target.confidence, recorded_target.display)
+            && target.error <= recorded_target.error
     })
 }
 

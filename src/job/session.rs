@@ -23,13 +23,14 @@ use super::film_format::format_for_scene;
 use super::metadata::Metadata;
 use super::monitor::{self, Autosave};
 use super::observer::{Observer, RenderProgress};
-use super::outcome::{RenderResult, RunOutcome, render_warnings};
+use super::outcome::{RenderResult, RunOutcome};
 use super::progressive::Counters;
 use super::render_state::RenderState;
 use super::resume;
 use super::save_request::SaveRequest;
 use super::shown_colors::median_difference;
 use super::spec::Job;
+use super::warnings::render_warnings;
 
 /// A render session, which owns everything it needs.
 pub struct Session {

@@ -245,8 +245,9 @@ impl StopCriteria {
         self.time = None;
     }
 
-    /// The fraction of the values that a reported error covers.
-    pub fn confidence(&self) -> f64 {
-        self.noise.map_or(NoiseTarget::CONFIDENCE, |target| target.confidence)
+    /// The target by which errors are reported: that of the noise, or the usual one.
+    pub(super) fn reported_target(&self) -> NoiseTarget {
+        // Without a target, only its confidence matters.
+        self.noise.unwrap_or(NoiseTarget::new(0.01))
     }
 }

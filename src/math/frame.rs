@@ -50,6 +50,11 @@ pub fn renormalize(v: DVec3) -> DVec3 {
     v * (1.5 - 0.5 * v.length_squared())
 }
 
+/// The unit vector of `v`, for any length; `None` if `v` has no direction.
+pub(crate) fn normalize_robust(v: DVec3) -> Option<DVec3> {
+    (v / v.abs().max_element()).try_normalize()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

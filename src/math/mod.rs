@@ -7,6 +7,7 @@ mod lanes;
 mod ray;
 mod rect;
 
+pub(crate) use frame::normalize_robust;
 pub use frame::{Frame, renormalize};
 pub use glam::{DVec2, DVec3, Vec3};
 pub use isa::{Isa, SimdKernel};

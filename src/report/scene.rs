@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::settings::{IntegratorKind, IntegratorSettings, PathTermination};
-use crate::scene::{CameraEnclosure, Scene, Settings};
+use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings, PathTermination};
+use crate::scene::{CameraEnclosure, Scene, SceneDescription, Settings};
 
 /// Contents of a scene and its render settings, as text and as the fields of a JSON object.
 #[derive(Debug, Serialize)]
@@ -22,6 +22,10 @@ pub struct SceneSummary<'a> {
     camera_inside: Option<String>,
     materials: Vec<Material<'a>>,
     bounds: Bounds,
+    /// Of what a fitted camera shows.
+    subject_bounds: Bounds,
+    /// The camera of the picture, as a scene file has it, if it is derived.
+    fitted_camera: Option<Value>,
     radius: Radii,
     memory_plan: Value,
     width: u32,
@@ -68,6 +72,9 @@ impl<'a> SceneSummary<'a> {
         let (description, spheres) = (scene.description(), scene.spheres());
         let Settings { image, render } = settings;
         let (bounds, radius) = extent(spheres);
+        let [low, high] = scene.subject_bounds();
+        let is_derived =
+            description.camera.fit.is_some() || description.camera.focus_target.is_some();
         let materials = description.materials.iter();
         let creates_energy = description.energy_creating_materials().into_iter();
         Self {
@@ -82,6 +89,8 @@ impl<'a> SceneSummary<'a> {
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
             bounds,
+            subject_bounds: Bounds { low, high },
+            fitted_camera: is_derived.then(|| fitted_camera(scene, image)).flatten(),
             radius,
             memory_plan: Value::Null,
             width: image.width,
@@ -124,6 +133,8 @@ impl fmt::Display for SceneSummary<'_> {
         list("materials", self.materials.iter().map(material).collect())?;
         let (Bounds { low, high }, Radii { smallest, largest }) = (&self.bounds, &self.radius);
         list("bounds", vec![format!("{} to {}", triple(*low), triple(*high))])?;
+        let Bounds { low, high } = &self.subject_bounds;
+        list("shown", vec![format!("{} to {}", triple(*low), triple(*high))])?;
         list("radii", vec![format!("{} to {}", rounded(*smallest), rounded(*largest))])?;
         list("image", vec![format!("{} x {} pixels", self.width, self.height)])?;
         list("integrator", vec![integrator(&self.settings.render.integrator)])?;
@@ -135,8 +146,22 @@ impl fmt::Display for SceneSummary<'_> {
         let note = |EnergyCreatingMaterial { name, max_albedo }: &EnergyCreatingMaterial<'_>| {
             format!("{name} (reflects more than it receives: up to {max_albedo:.2} of it)")
         };
-        list("adds energy", self.creates_energy.iter().map(note).collect())
+        list("adds energy", self.creates_energy.iter().map(note).collect())?;
+        match self.fitted_camera.as_ref().and_then(Value::as_object) {
+            Some(keys) => {
+                writeln!(f, "\nThe camera, to be pasted into the scene:\n\n[camera]")?;
+                keys.iter().try_for_each(|(key, value)| writeln!(f, "{key} = {value}"))
+            }
+            None => Ok(()),
+        }
     }
+}
+
+/// The keys of the camera with all that is derived for pictures of this size.
+fn fitted_camera(scene: &Scene, image: &ImageSettings) -> Option<Value> {
+    let camera = scene.camera(image).ok()?;
+    let with_camera = SceneDescription { camera, ..SceneDescription::default() };
+    Some(with_camera.to_keys()["camera"].take())
 }
 
 fn extent(spheres: &SphereSet) -> (Bounds, Radii) {

@@ -11,25 +11,28 @@ use super::column_limits::ColumnLimits;
 use super::columns::Column;
 use super::complaint::TableDiagnostic;
 use super::data::{SphereArrays, StridedArray};
-use super::description::ColorStorage;
+use super::description::{ColorSpace, ColorStorage};
 use super::storage::{reserve_colors, try_with_capacity};
 use super::table_reader::{Row, RowColors};
 
 /// Appends every sphere, moved by `offset`, to `all`, and returns colours and emission if the
-/// arrays have any. No colour may exceed `max_color`. Every number is read and checked in one pass.
+/// arrays have any. No linear colour may exceed `max_color`. Every number is read and checked in
+/// one pass.
 ///
 /// # Errors
 /// Names the first invalid number, or if the colours do not fit into memory.
 pub(super) fn read_spheres<T: Row>(
     arrays: &SphereArrays,
     storage: ColorStorage,
+    color_space: ColorSpace,
     offset: DVec3,
     max_color: [f32; 3],
     all: &mut Vec<T>,
 ) -> Result<RowColors, TableDiagnostic> {
     let SphereArrays { center: [x, y, z], radius, color, emission, .. } = arrays;
     let rows = || (0..arrays.len()).into_par_iter();
-    let limits = |column| ColumnLimits::new(column, offset, max_color);
+    let largest = color_space.largest(max_color);
+    let limits = |column| ColumnLimits::new(column, offset, largest);
     let first_wrong = AtomicUsize::new(usize::MAX);
     let numbers = checked(Column::SPHERE.map(limits), [x, y, z, radius], &first_wrong);
     all.par_extend(rows().map(|row| {
@@ -44,11 +47,12 @@ pub(super) fn read_spheres<T: Row>(
             let most = f64::from(most);
             (most + PackedColor::rounding(most)) as f32
         });
-        let max_packed = if color[0].is_packed() { lifted } else { max_color };
+        let max_packed = if color[0].is_packed() { lifted } else { largest };
         let limits = |column| ColumnLimits::new(column, offset, max_packed);
         let given = checked(Column::COLOR.map(limits), color.each_ref(), &first_wrong);
         let mut all = reserve_colors(storage, arrays.len() as u64).map_err(complaint)?;
-        all.extend(rows().map(|row| given(row).map(|number| number as f32)), max_color);
+        let linear = |row| color_space.to_linear(given(row).map(|number| number as f32), max_color);
+        all.extend(rows().map(linear), max_color);
         colors.albedo = Some(all);
     }
     if let Some(emission) = emission {

@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::material::Metal;
-use crate::math::DVec3;
+use crate::math::{DVec3, normalize_robust};
 
 use super::Scene;
 use super::data::{SphereArrays, SphereData};
 use super::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
     ProjectionDescription, SceneDescription, SphereDescription, SphereTable, SunDescription,
-    SurfaceModel, normalize_robust,
+    SurfaceModel,
 };
 use super::validate::FOREIGN_MATERIAL;
 
@@ -201,7 +201,11 @@ impl SceneBuilder {
         radius: f64,
     ) -> &mut Self {
         let material = self.index_of(material);
-        self.description.spheres.push(SphereDescription { name, center, radius, material });
+        self.add(SphereDescription { name, center, radius, material, shadow_catcher: false })
+    }
+
+    fn add(&mut self, sphere: SphereDescription) -> &mut Self {
+        self.description.spheres.push(sphere);
         self
     }
 

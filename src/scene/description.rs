@@ -6,13 +6,19 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::Rgb;
+use crate::color::{Rgb, linear_from_srgb, srgb_from_linear};
+use crate::geometry::Sphere;
 use crate::math::DVec3;
 use crate::names::named_enum;
 
 use super::data::SphereData;
 
+pub use super::camera::{
+    CameraDescription, CameraFit, FocusTarget, LensDescription, ProjectionDescription,
+    ProjectionKind,
+};
 pub use super::environment::{BackgroundDescription, EnvironmentDescription, SunDescription};
+pub use super::light_preset::LightPreset;
 pub use super::surface::{SurfaceKind, SurfaceModel};
 
 /// A scene: camera, background, materials and spheres.
@@ -31,112 +37,6 @@ pub struct SceneDescription {
     pub spheres: Vec<SphereDescription>,
     /// Sphere tables, from files or from memory.
     pub tables: Vec<SphereTable>,
-}
-
-/// The camera (`[camera]`).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CameraDescription {
-    /// Camera position: the centre of the lens or of the image plane.
-    pub position: DVec3,
-    /// The point at the centre of the picture.
-    pub look_at: DVec3,
-    /// The up direction in the picture.
-    pub up: DVec3,
-    /// Depth along the view axis at which camera rays start; for a panorama, the distance.
-    pub near: f64,
-    /// The projection: `type` and its keys.
-    pub projection: ProjectionDescription,
-}
-
-impl Default for CameraDescription {
-    /// At (0, 0, 10), looking at the origin, pinhole with a field of view of 36 degrees, y up.
-    fn default() -> Self {
-        Self {
-            position: DVec3::new(0.0, 0.0, 10.0),
-            look_at: DVec3::ZERO,
-            up: DVec3::Y,
-            near: 0.0,
-            projection: ProjectionDescription::default(),
-        }
-    }
-}
-
-/// The mapping from directions to picture positions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum ProjectionDescription {
-    /// `type = "perspective"`.
-    Perspective {
-        /// Vertical field of view, in degrees.
-        vertical_fov_degrees: f64,
-        /// The lens; `None` is a pinhole.
-        lens: Option<LensDescription>,
-    },
-    /// `type = "orthographic"`: parallel rays.
-    Orthographic {
-        /// Height of the view, in scene units.
-        height: f64,
-    },
-    /// `type = "panoramic"`: columns are longitudes, rows are latitudes.
-    Panoramic {
-        /// Horizontal field of view, in degrees.
-        horizontal_degrees: f64,
-        /// Vertical field of view, in degrees.
-        vertical_degrees: f64,
-    },
-}
-
-impl Default for ProjectionDescription {
-    /// A pinhole with a field of view of 36 degrees.
-    fn default() -> Self {
-        Self::Perspective { vertical_fov_degrees: 36.0, lens: None }
-    }
-}
-
-/// The projection types, without parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ProjectionKind {
-    /// [`ProjectionDescription::Perspective`].
-    #[default]
-    Perspective,
-    /// [`ProjectionDescription::Orthographic`].
-    Orthographic,
-    /// [`ProjectionDescription::Panoramic`].
-    Panoramic,
-}
-
-named_enum! {
-    ProjectionKind {
-        Perspective = "perspective",
-        Orthographic = "orthographic",
-        Panoramic = "panoramic",
-    }
-}
-
-impl ProjectionDescription {
-    /// The type of this projection.
-    pub fn kind(&self) -> ProjectionKind {
-        match self {
-            Self::Perspective { .. } => ProjectionKind::Perspective,
-            Self::Orthographic { .. } => ProjectionKind::Orthographic,
-            Self::Panoramic { .. } => ProjectionKind::Panoramic,
-        }
-    }
-}
-
-/// A thin lens.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LensDescription {
-    /// Radius of the aperture, in scene units.
-    pub radius: f64,
-    /// Distance to the focal plane along the view axis, given directly or by `focus_on`.
-    pub focus_distance: f64,
-    /// Number of aperture blades; 0 for a disk.
-    pub blades: u32,
-    /// Rotation of the aperture, counter-clockwise in the picture's axes, in degrees.
-    pub rotation_degrees: f64,
 }
 
 /// `[materials.NAME]`.
@@ -173,6 +73,9 @@ pub struct SphereDescription {
     pub radius: f64,
     /// Index into [`SceneDescription::materials`].
     pub material: usize,
+    /// True if the camera sees only the shadow that others cast on it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub shadow_catcher: bool,
 }
 
 /// A sphere table (`[[sphere_tables]]` or `[[particles]]`): many spheres of one material.
@@ -187,6 +90,9 @@ pub struct SphereTable {
     pub material: usize,
     /// Storage of the rows' colours, if any (`colors`).
     pub colors: ColorStorage,
+    /// What the numbers of the rows' colours mean. Emission is always linear.
+    #[serde(default, skip_serializing_if = "ColorSpace::is_linear")]
+    pub color_space: ColorSpace,
     /// Added to each centre, in f64.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset: DVec3,
@@ -208,6 +114,41 @@ pub enum ColorStorage {
 
 named_enum! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
+/// What the numbers of a colour mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorSpace {
+    /// Shares of light, linear Rec. 709.
+    #[default]
+    Linear,
+    /// Numbers as in pictures and on screens.
+    Srgb,
+}
+
+named_enum! { ColorSpace { Linear = "linear", Srgb = "srgb" } }
+
+impl ColorSpace {
+    /// The linear colour of these numbers, but at most `most`.
+    pub(super) fn to_linear(self, color: [f32; 3], most: [f32; 3]) -> [f32; 3] {
+        match self {
+            Self::Linear => color,
+            Self::Srgb => std::array::from_fn(|i| linear_from_srgb(color[i]).min(most[i])),
+        }
+    }
+
+    /// The largest numbers of a colour whose linear channels are at most `most`.
+    pub(super) fn largest(self, most: [f32; 3]) -> [f32; 3] {
+        match self {
+            Self::Linear => most,
+            // The curve may end just below 1.
+            Self::Srgb => most.map(|most| if most >= 1.0 { 1.0 } else { srgb_from_linear(most) }),
+        }
+    }
+
+    fn is_linear(&self) -> bool {
+        *self == Self::Linear
+    }
+}
+
 impl ColorStorage {
     /// Bytes per colour in memory.
     pub fn bytes_per_color(self) -> usize {
@@ -215,6 +156,13 @@ impl ColorStorage {
             Self::Exact => size_of::<[f32; 3]>(),
             Self::Packed => size_of::<u32>(),
         }
+    }
+}
+
+impl SphereDescription {
+    /// The sphere itself.
+    pub(super) fn sphere(&self) -> Sphere {
+        Sphere { center: self.center, radius: self.radius }
     }
 }
 
@@ -239,29 +187,15 @@ impl SceneDescription {
     /// # Panics
     /// If there is no table with this index.
     pub fn name_of_table(&self, index: usize) -> String {
-        let SphereTable { name, data, .. } = &self.tables[index];
-        let of_file = || {
-            let path = match data {
-                SphereData::File { path, .. } => path,
-                SphereData::Particles(particles) => &particles.path,
-                SphereData::Memory(_) => return None,
-            };
-            path.file_name().map(|name| name.to_string_lossy().into_owned())
-        };
-        name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
+        name_of_table(&self.tables, index)
     }
 
     /// Brings equivalent values into one canonical form: a lens with radius 0 becomes a pinhole,
     /// and a coordinate, offset or angle of -0 becomes 0.
     pub(super) fn make_canonical(&mut self) {
         let Self { camera, background, materials: _, spheres, tables } = self;
-        let CameraDescription { position, look_at, up, near: _, projection } = camera;
-        if let ProjectionDescription::Perspective { lens, .. } = projection {
-            *lens = lens.filter(|lens| lens.radius > 0.0);
-            if let Some(lens) = lens {
-                lens.rotation_degrees += 0.0;
-            }
-        }
+        camera.make_canonical();
+        let CameraDescription { position, look_at, up, .. } = camera;
         let BackgroundDescription { dome, up: zenith, sun, .. } = background;
         if let EnvironmentDescription::Image { rotation_degrees, .. } = dome {
             *rotation_degrees += 0.0;
@@ -275,7 +209,16 @@ impl SceneDescription {
     }
 }
 
-/// The unit vector of `v`, for any length; `None` if `v` has no direction.
-pub(crate) fn normalize_robust(v: DVec3) -> Option<DVec3> {
-    (v / v.abs().max_element()).try_normalize()
+/// As [`SceneDescription::name_of_table`].
+pub(super) fn name_of_table(tables: &[SphereTable], index: usize) -> String {
+    let SphereTable { name, data, .. } = &tables[index];
+    let of_file = || {
+        let path = match data {
+            SphereData::File { path, .. } => path,
+            SphereData::Particles(particles) => &particles.path,
+            SphereData::Memory(_) => return None,
+        };
+        path.file_name().map(|name| name.to_string_lossy().into_owned())
+    };
+    name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
 }

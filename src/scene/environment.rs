@@ -26,13 +26,23 @@ pub struct BackgroundDescription {
     pub camera_visible: bool,
     /// True if pictures have an alpha channel that is 0 where camera rays hit nothing.
     pub transparent: bool,
+    /// The radiance that camera rays see which hit nothing, in place of the background.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub backdrop: Option<Rgb>,
 }
 
 impl Default for BackgroundDescription {
     /// Darkness, with y as its zenith.
     fn default() -> Self {
         let dome = EnvironmentDescription::default();
-        Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
+        Self {
+            dome,
+            up: DVec3::Y,
+            sun: None,
+            camera_visible: true,
+            transparent: false,
+            backdrop: None,
+        }
     }
 }
 

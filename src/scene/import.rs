@@ -314,10 +314,11 @@ fn read_table<T: Row>(
     brightest: [f32; 3],
     to: &mut Vec<T>,
 ) -> Result<std::result::Result<OwnValues, TableDiagnostic>> {
-    let SphereTable { data, colors, offset, .. } = table;
+    let SphereTable { data, colors, color_space, offset, .. } = table;
+    let space = *color_space;
     Ok(match (data, &plan.layout) {
         (SphereData::File { path, .. }, Some(layout)) => {
-            let mut reader = TableReader::new(layout, *colors, *offset, brightest, to)?;
+            let mut reader = TableReader::new(layout, *colors, space, *offset, brightest, to)?;
             reader.read(path).map(|()| (reader.colors, None))
         }
         (SphereData::File { path, .. }, None) => {
@@ -326,7 +327,7 @@ fn read_table<T: Row>(
         }
         (SphereData::Particles(particles), _) => match &plan.particles {
             Some(PlannedParticles { arrays, .. }) => {
-                arrays::read_spheres(arrays, *colors, *offset, brightest, to)
+                arrays::read_spheres(arrays, *colors, space, *offset, brightest, to)
                     .map(|colors| (colors, None))
             }
             None => {
@@ -335,7 +336,7 @@ fn read_table<T: Row>(
             }
         },
         (SphereData::Memory(arrays), _) => {
-            arrays::read_spheres(arrays, *colors, *offset, brightest, to)
+            arrays::read_spheres(arrays, *colors, space, *offset, brightest, to)
                 .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?)))
         }
     })

@@ -1,69 +1,26 @@
 //! Converts a scene and its settings to a JSON tree under their scene file keys. Messages and
 //! `photosphere info` use these keys.
 
-use serde::Serialize;
+mod camera;
+mod section;
+
 use serde_json::{Map, Value};
 
 use crate::appearance::range_text;
 
 use super::data::{FileColumn, SphereData};
 use super::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
-    LensDescription, MaterialDescription, ProjectionDescription, SceneDescription,
-    SphereDescription, SphereTable, SunDescription,
+    BackgroundDescription, ColorSpace, ColorStorage, EnvironmentDescription, MaterialDescription,
+    SceneDescription, SphereDescription, SphereTable, SunDescription,
 };
-use super::keys::{self, Key, KeyVisitor};
+use super::keys;
 use super::particle_file::ParticleTable;
 use super::settings::{
     ImageSettings, IntegratorSettings, PaperSettings, PathTermination, RenderSettings, Settings,
 };
 use super::validation_errors::quote_if_needed;
-use super::value_types::ValueType;
 
-/// One table of a scene file.
-#[derive(Default)]
-struct Section(Map<String, Value>);
-
-impl Section {
-    fn set<K>(&mut self, key: &Key<K>, value: impl Serialize) {
-        let value = serde_json::to_value(value).expect("plain values are JSON");
-        self.0.insert(key.name.to_owned(), value);
-    }
-
-    fn set_if_given<K>(&mut self, key: &Key<K>, value: Option<impl Serialize>) {
-        if let Some(value) = value {
-            self.set(key, value);
-        }
-    }
-
-    fn add(&mut self, name: &str, inner: impl Into<Value>) {
-        self.0.insert(name.to_owned(), inner.into());
-    }
-}
-
-impl KeyVisitor for Section {
-    fn visit<K>(&mut self, key: &'static Key<K>, value: &mut K::Output)
-    where
-        K: ValueType,
-        K::Output: Serialize,
-    {
-        self.set(key, &*value);
-    }
-
-    fn visit_option<K>(&mut self, key: &'static Key<K>, value: &mut Option<K::Output>)
-    where
-        K: ValueType,
-        K::Output: Serialize,
-    {
-        self.set_if_given(key, value.as_ref());
-    }
-}
-
-impl From<Section> for Value {
-    fn from(Section(entries): Section) -> Self {
-        Self::Object(entries)
-    }
-}
+use section::Section;
 
 impl SceneDescription {
     /// Values under their scene file keys: `camera.position`, `materials.grass.albedo`,
@@ -73,42 +30,47 @@ impl SceneDescription {
         let Self { camera, background, materials, spheres, tables } = self;
         let name_of = |material: usize| materials.get(material).map(|m| m.name.as_str());
         let mut root = Section::default();
-        root.add("camera", of_camera(camera));
+        root.add("camera", camera::of_camera(camera, self));
         root.add("background", of_background(background));
         let of_material =
             |m: &MaterialDescription| (quote_if_needed(&m.name), of_material(m).into());
         let surfaces: Map<String, Value> = materials.iter().map(of_material).collect();
         root.add("materials", surfaces);
         let of_sphere =
-            |SphereDescription { name, center, radius, material }: &SphereDescription| {
+            |SphereDescription { name, center, radius, material, shadow_catcher }: &SphereDescription| {
                 use keys::sphere as keys;
                 let mut section = Section::default();
                 section.set_if_given(&keys::NAME, name.as_ref());
                 section.set(&keys::CENTER, center);
                 section.set(&keys::RADIUS, radius);
                 section.set_if_given(&keys::MATERIAL, name_of(*material));
+                section.set_if_given(&keys::SHADOW_CATCHER, shadow_catcher.then_some(true));
                 Value::from(section)
             };
         root.add("spheres", spheres.iter().map(of_sphere).collect::<Vec<_>>());
         let is_particles =
             |(_, table): &(usize, &SphereTable)| matches!(table.data, SphereData::Particles(_));
-        let of_table =
-            |(index, SphereTable { name: _, data, material, colors, offset }): (_, &_)| {
-                use keys::table as keys;
-                let mut section = Section::default();
-                section.set(&keys::NAME, self.name_of_table(index));
-                let (file, columns) = file_and_columns(data);
-                section.set(&keys::FILE, file);
-                section.set(&keys::COLUMNS, columns);
-                section.set_if_given(&keys::MATERIAL, name_of(*material));
-                section.set_if_given(&keys::COLORS, data.has_colors().then_some(*colors));
-                section.set(&keys::OFFSET, offset);
-                if let SphereData::File { skip_rows, skip_bytes, .. } = data {
-                    section.set(&keys::SKIP_ROWS, skip_rows);
-                    section.set(&keys::SKIP_BYTES, skip_bytes);
-                }
-                Value::from(section)
-            };
+        let of_table = |(
+            index,
+            SphereTable { name: _, data, material, colors, color_space, offset },
+        ): (_, &_)| {
+            use keys::table as keys;
+            let mut section = Section::default();
+            section.set(&keys::NAME, self.name_of_table(index));
+            let (file, columns) = file_and_columns(data);
+            section.set(&keys::FILE, file);
+            section.set(&keys::COLUMNS, columns);
+            section.set_if_given(&keys::MATERIAL, name_of(*material));
+            section.set_if_given(&keys::COLORS, data.has_colors().then_some(*colors));
+            let has_space = data.has_colors() && *color_space != ColorSpace::default();
+            section.set_if_given(&keys::COLOR_SPACE, has_space.then_some(*color_space));
+            section.set(&keys::OFFSET, offset);
+            if let SphereData::File { skip_rows, skip_bytes, .. } = data {
+                section.set(&keys::SKIP_ROWS, skip_rows);
+                section.set(&keys::SKIP_BYTES, skip_bytes);
+            }
+            Value::from(section)
+        };
         let (particles, others): (Vec<_>, Vec<_>) =
             tables.iter().enumerate().partition(is_particles);
         root.add("sphere_tables", others.into_iter().map(of_table).collect::<Vec<_>>());
@@ -134,42 +96,12 @@ impl Settings {
     }
 }
 
-fn of_camera(camera: &CameraDescription) -> Section {
-    use keys::camera as keys;
-    let CameraDescription { position, look_at, up, near, projection } = camera;
-    let mut section = Section::default();
-    section.set(&keys::TYPE, projection.kind());
-    section.set(&keys::POSITION, position);
-    section.set(&keys::LOOK_AT, look_at);
-    section.set(&keys::UP, up);
-    section.set(&keys::NEAR, near);
-    match projection {
-        ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
-            section.set(&keys::perspective::FOV, vertical_fov_degrees);
-            if let Some(LensDescription { radius, focus_distance, blades, rotation_degrees }) = lens
-            {
-                section.set(&keys::perspective::APERTURE_RADIUS, radius);
-                section.set(&keys::perspective::FOCUS_DISTANCE, focus_distance);
-                section.set(&keys::perspective::BLADES, blades);
-                section.set(&keys::perspective::ROTATION, rotation_degrees);
-            }
-        }
-        ProjectionDescription::Orthographic { height } => {
-            section.set(&keys::orthographic::HEIGHT, height)
-        }
-        ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
-            section.set(&keys::panoramic::HORIZONTAL, horizontal_degrees);
-            section.set(&keys::panoramic::VERTICAL, vertical_degrees);
-        }
-    }
-    section
-}
-
 fn of_background(background: &BackgroundDescription) -> Section {
     use keys::background as keys;
-    let BackgroundDescription { dome, up, sun, camera_visible, transparent } = background;
+    let BackgroundDescription { dome, up, sun, camera_visible, transparent, backdrop } = background;
     let mut section = Section::default();
     section.set(&keys::UP, up);
+    section.set_if_given(&keys::BACKDROP, *backdrop);
     section.set(&keys::CAMERA_VISIBLE, camera_visible);
     section.set(&keys::TRANSPARENT, transparent);
     let mut inner = Section::default();

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
 use crate::light::specular::PairSampler;
@@ -13,7 +13,7 @@ use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
 use super::casters::find_pairs;
-use super::description;
+use super::description::{self, CameraDescription};
 use super::light_trap::LightTrap;
 use super::scene::Scene;
 use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings};
@@ -28,6 +28,7 @@ pub struct PreparedScene {
     settings: Settings,
     lights: Lights,
     connections: Option<PairSampler>,
+    camera_description: CameraDescription,
     camera: Camera,
     filter: Filter,
     /// The dielectric spheres in which a camera ray can start, largest first.
@@ -39,12 +40,13 @@ impl PreparedScene {
     /// Prepares a scene for these settings.
     ///
     /// # Errors
-    /// If the settings are invalid, or camera rays start out of reach.
+    /// If the settings are invalid, the camera cannot be [placed](Scene::camera), or camera rays
+    /// start out of reach.
     pub fn new(scene: &Scene, settings: Settings) -> Result<Self> {
         settings.validate().into_result()?;
         let ImageSettings { filter, filter_radius, .. } = settings.image;
-        let camera =
-            build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
+        let camera_description = scene.camera(&settings.image)?;
+        let camera = camera_description.build(&settings.image, scene.spheres().origin());
         check_reach(&camera, filter_radius)?;
         let enclosures = find_enclosures(scene, &camera, filter_radius);
         let lights = scene.lights(settings.render.light_choice, &enclosures);
@@ -56,6 +58,7 @@ impl PreparedScene {
             settings,
             lights,
             connections,
+            camera_description,
             camera,
             filter,
             light_traps: find_light_traps(scene, &around_camera),
@@ -102,6 +105,11 @@ impl PreparedScene {
     /// the settings ask for it.
     pub fn connections(&self) -> Option<&PairSampler> {
         self.connections.as_ref()
+    }
+
+    /// The camera's position, focus and projection, in the user's coordinates.
+    pub fn camera_description(&self) -> &CameraDescription {
+        &self.camera_description
     }
 
     /// The camera.
@@ -213,7 +221,7 @@ impl CameraEnclosure {
     /// Finds the smallest opaque sphere in which the ray through the centre of the picture starts.
     pub fn find(scene: &Scene, image: &ImageSettings) -> Option<Self> {
         let spheres = scene.spheres();
-        let camera = build_camera(&scene.description().camera, image, spheres.origin());
+        let camera = scene.camera(image).ok()?.build(image, spheres.origin());
         let [x, y] = [image.width, image.height].map(|pixels| 0.5 * f64::from(pixels));
         let ray = camera.generate_ray(x, y, [0.5; 2]);
         let start = ray.at(ray.t_min);
@@ -229,41 +237,4 @@ impl CameraEnclosure {
         };
         Some(Self { sphere: around, is_empty: !ids().any(reaches_in) })
     }
-}
-
-fn build_camera(
-    of: &description::CameraDescription,
-    image: &ImageSettings,
-    origin: DVec3,
-) -> Camera {
-    let description::CameraDescription { position, look_at, up, near, projection } = *of;
-    let mount = CameraPose {
-        position: position - origin,
-        view_direction: look_at - position,
-        up,
-        near,
-        resolution: [image.width, image.height],
-    };
-    let thin = |lens: description::LensDescription| {
-        let rotation = lens.rotation_degrees.to_radians();
-        let aperture = Aperture { radius: lens.radius, blades: lens.blades, rotation };
-        ThinLens { aperture, focus_distance: lens.focus_distance }
-    };
-    let projection = match projection {
-        description::ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
-            let vertical_fov = vertical_fov_degrees.to_radians();
-            // A lens with radius 0 is a pinhole.
-            let lens = lens.filter(|lens| lens.radius > 0.0).map(thin);
-            CameraModel::Perspective { vertical_fov, lens }
-        }
-        description::ProjectionDescription::Orthographic { height } => {
-            CameraModel::Orthographic { height }
-        }
-        description::ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
-            let [horizontal, vertical] =
-                [horizontal_degrees, vertical_degrees].map(f64::to_radians);
-            CameraModel::Panoramic { horizontal, vertical }
-        }
-    };
-    Camera::new(&mount, projection)
 }

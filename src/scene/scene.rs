@@ -37,6 +37,7 @@ pub struct Scene {
     has_opacity: bool,
     has_media: bool,
     has_straight_boundaries: bool,
+    has_shadow_catchers: bool,
     /// The largest emission of a table's rows.
     max_row_emission: f32,
     groups: Arc<[RowGroup]>,
@@ -86,6 +87,7 @@ impl Scene {
         let has_media = materials.iter().any(|material| material.dielectric().is_some());
         let max_row_emission = groups.iter().map(RowGroup::max_emission).fold(0.0, f32::max);
         let background = environment::build_background(&description.background, environment);
+        let has_shadow_catchers = description.spheres.iter().any(|sphere| sphere.shadow_catcher);
         let mut scene = Self {
             description: Arc::new(description),
             source: source.map(Arc::new),
@@ -97,6 +99,7 @@ impl Scene {
             has_opacity,
             has_media,
             has_straight_boundaries: false,
+            has_shadow_catchers,
             max_row_emission,
             groups: groups.into(),
             emitters: Vec::new().into(),
@@ -183,23 +186,23 @@ impl Scene {
         let emissions = self.materials.iter().map(|material| material.emission.max_element());
         let brightest = emissions.fold(self.background.max_radiance(), f32::max);
         let brightest = brightest.max(self.max_row_emission);
+        let backdrop = self.description.background.backdrop.unwrap_or(Rgb::ZERO);
+        let brightest = brightest.max(backdrop.max_element());
         // The environment map and the sun are each finite, but their sum may overflow.
         brightest.min(f32::MAX)
     }
 
-    /// Returns true if the camera sees the background.
-    pub fn camera_sees_background(&self) -> bool {
-        self.description.background.camera_visible
+    /// What a camera ray that misses all spheres sees in place of this radiance of the background.
+    pub fn seen_by_camera(&self, radiance: Rgb) -> Rgb {
+        let background = &self.description.background;
+        let hidden = if background.camera_visible { radiance } else { Rgb::ZERO };
+        background.backdrop.unwrap_or(hidden)
     }
 
-    /// The contribution of a camera ray that misses all spheres: the background, unless it is
-    /// hidden from the camera.
+    /// The contribution of a camera ray that misses all spheres: the backdrop; or the background,
+    /// unless it is hidden from the camera.
     pub fn camera_background(&self, direction: DVec3) -> PathRadiance {
-        let direct = if self.camera_sees_background() {
-            self.background_radiance(direction)
-        } else {
-            Rgb::ZERO
-        };
+        let direct = self.seen_by_camera(self.background_radiance(direction));
         PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
@@ -274,6 +277,17 @@ impl Scene {
         self.has_straight_boundaries
     }
 
+    /// Returns true if there is a shadow catcher.
+    pub fn has_shadow_catchers(&self) -> bool {
+        self.has_shadow_catchers
+    }
+
+    /// Returns true if the camera sees only the shadow on this sphere.
+    pub fn is_shadow_catcher(&self, id: u32) -> bool {
+        let single = self.description.spheres.get(self.spheres.row(id) as usize);
+        single.is_some_and(|sphere| sphere.shadow_catcher)
+    }
+
     /// Returns true if shadow rays may pass surfaces.
     pub fn has_passable_surfaces(&self) -> bool {
         self.has_opacity || self.has_straight_boundaries
@@ -291,15 +305,15 @@ impl Scene {
         }
     }
 
-    /// The name of the sphere in a row of the scene, or a name from its position: `sphere 3`, or
-    /// `grains.f32:17` for a row of the table `grains.f32`.
+    /// The name of the sphere in a row of the scene, or a name from its position: `spheres.3`, as
+    /// in `--set`, or `grains.f32:17` for a row of the table `grains.f32`.
     ///
     /// # Panics
     /// If the scene has no such row.
     pub fn name_of_row(&self, row: u32) -> String {
         self.demand_row(row);
         match self.description.spheres.get(row as usize) {
-            Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
+            Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("spheres.{row}")),
             None => {
                 let group = self.group_of(row);
                 let ids = group.ids.as_deref();
@@ -350,6 +364,16 @@ impl Scene {
         }
         let index = self.index_of_group(row);
         Some((index, row - self.groups[index].first_row))
+    }
+
+    /// The row of the scene that has this id in a table, or is this row of a table without ids.
+    pub(super) fn row_with_id(&self, table: usize, id: u32) -> Option<u32> {
+        let group = &self.groups[table];
+        let in_table = match &group.ids {
+            Some(ids) => ids.iter().position(|other| *other == id)? as u32,
+            None => id,
+        };
+        (in_table < group.count).then_some(group.first_row + in_table)
     }
 
     /// The table that contains a row. The row must not be an individually described sphere.

@@ -23,8 +23,9 @@ use crate::math::DVec3;
 
 use super::data::SphereData;
 use super::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
-    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
+    BackgroundDescription, CameraDescription, CameraFit, ColorStorage, EnvironmentDescription,
+    FocusTarget, MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription,
+    SphereTable,
 };
 use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
@@ -88,13 +89,22 @@ struct CanonicalCamera {
     forward: DVec3,
     near: f64,
     projection: ProjectionDescription,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fit: Option<CameraFit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    focus_target: Option<FocusTarget>,
 }
 
 impl CanonicalCamera {
     fn of(camera: &CameraDescription) -> Self {
-        let CameraDescription { position, look_at, up, near, projection } = *camera;
-        let [right, _, forward] = axes(look_at - position, up);
-        Self { position, right, forward, near, projection }
+        let CameraDescription { position, look_at, up, near, projection, fit, focus_target } =
+            *camera;
+        let [right, _, forward] = match fit {
+            // The axes follow from the direction, and from what is up.
+            Some(_) => [up.normalize(), DVec3::ZERO, DVec3::ZERO],
+            None => axes(look_at - position, up),
+        };
+        Self { position, right, forward, near, projection, fit, focus_target }
     }
 }
 
@@ -205,7 +215,7 @@ impl SceneHashes {
             file.clear();
         }
         let table = |(index, (table, numbers)): (usize, (&SphereTable, &ContentHash))| {
-            let SphereTable { name: _, data, material, colors, offset: _ } = table;
+            let SphereTable { name: _, data, material, colors, color_space: _, offset: _ } = table;
             let name = description.name_of_table(index);
             let colors = data.has_colors().then_some(*colors);
             CanonicalTable { name, material: *material, colors, numbers: *numbers }

@@ -13,7 +13,7 @@ use super::colors::SphereColors;
 use super::column_limits::ColumnLimits;
 use super::columns::{Column, NumberType};
 use super::complaint::{TableDiagnostic, read_error};
-use super::description::ColorStorage;
+use super::description::{ColorSpace, ColorStorage};
 use super::storage::{reserve_colors, try_with_capacity};
 use super::table_chunk::{Chunk, ChunkColumn};
 use super::table_layout::TableLayout;
@@ -57,7 +57,8 @@ pub(super) struct TableReader<'r, T> {
     color: Option<[usize; 3]>,
     emission: Option<[usize; 3]>,
     offset: DVec3,
-    /// Maximum colour of a row.
+    color_space: ColorSpace,
+    /// Maximum linear colour of a row.
     max_color: [f32; 3],
     all: &'r mut Vec<T>,
     pub(super) colors: RowColors,
@@ -81,10 +82,11 @@ impl InvalidRows {
 }
 
 impl<'r, T: Row> TableReader<'r, T> {
-    /// A reader for rows that are moved by `offset`, with colours up to `max_color`.
+    /// A reader for rows that are moved by `offset`, with linear colours up to `max_color`.
     pub(super) fn new(
         layout: &'r TableLayout,
         colors: ColorStorage,
+        color_space: ColorSpace,
         offset: DVec3,
         max_color: [f32; 3],
         all: &'r mut Vec<T>,
@@ -98,7 +100,8 @@ impl<'r, T: Row> TableReader<'r, T> {
             albedo: color.map(|_| reserve_colors(colors, layout.rows)).transpose()?,
             emission: emission.map(|_| try_with_capacity(layout.rows)).transpose()?,
         };
-        let limit = |column: Column| ColumnLimits::new(column, offset, max_color);
+        let largest = color_space.largest(max_color);
+        let limit = |column: Column| ColumnLimits::new(column, offset, largest);
         Ok(Self {
             limits: layout.columns.iter().map(|layout| limit(layout.column)).collect(),
             sphere: Column::SPHERE.map(required),
@@ -106,6 +109,7 @@ impl<'r, T: Row> TableReader<'r, T> {
             color,
             emission,
             offset,
+            color_space,
             max_color,
             all,
             colors,
@@ -174,7 +178,8 @@ impl<'r, T: Row> TableReader<'r, T> {
             rows().map(move |row| columns.map(|column| chunk.get(column, row) as f32))
         };
         if let (Some(colors), Some(color)) = (albedo, self.color) {
-            colors.extend(values(color), self.max_color);
+            let (space, most) = (self.color_space, self.max_color);
+            colors.extend(values(color).map(|color| space.to_linear(color, most)), most);
         }
         if let (Some(all), Some(emission)) = (emission, self.emission) {
             all.par_extend(values(emission));

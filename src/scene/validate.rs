@@ -1,13 +1,14 @@
 //! Validates a scene description and settings: each value within its limits, and all values
 //! together.
 
+mod camera;
+
 use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
 use super::data::{Column, FileColumn, SphereArrays, SphereData, StridedArray};
 use super::description::{
-    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
-    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
-    SunDescription, normalize_robust,
+    BackgroundDescription, EnvironmentDescription, MaterialDescription, SceneDescription,
+    SphereDescription, SphereTable, SunDescription,
 };
 use super::keys::{self, Key, KeyVisitor};
 use super::settings::{
@@ -20,9 +21,6 @@ use super::value_types::ValueType;
 
 /// Maximum number of pixels of a picture.
 const MAX_PIXELS: u64 = 1 << 31;
-
-/// Minimum sine of the angle between `up` and the view direction; below it they count as parallel.
-const MIN_VIEW_UP_SINE: f64 = 1e-6;
 
 /// Index that marks a material of another [`SceneBuilder`](super::SceneBuilder).
 pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
@@ -48,9 +46,9 @@ impl KeyVisitor for Checker<'_> {
 impl SceneDescription {
     /// Validates the description, without examining files.
     pub(super) fn validate(&self) -> ValidationErrors {
-        let Self { camera, background, materials, spheres, tables } = self;
+        let Self { camera: _, background, materials, spheres, tables } = self;
         let mut problems = ValidationErrors::default();
-        check_camera(camera, &mut problems);
+        camera::check_camera(self, &mut problems);
         check_background(background, &mut problems);
         check_names(materials, &mut problems);
         for material in materials {
@@ -164,78 +162,9 @@ fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
     }
 }
 
-fn check_camera(camera: &CameraDescription, problems: &mut ValidationErrors) {
-    use keys::camera as keys;
-    let CameraDescription { position, look_at, up, near, projection } = camera;
-    let at = KeyPath::root("camera");
-    problems.check(&at, &keys::POSITION, position);
-    problems.check(&at, &keys::LOOK_AT, look_at);
-    problems.check(&at, &keys::UP, up);
-    problems.check(&at, &keys::NEAR, near);
-    match projection {
-        ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
-            problems.check(&at, &keys::perspective::FOV, vertical_fov_degrees);
-            if let Some(lens) = lens {
-                check_lens(&at, lens, problems);
-            }
-        }
-        ProjectionDescription::Orthographic { height } => {
-            problems.check(&at, &keys::orthographic::HEIGHT, height);
-        }
-        ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
-            problems.check(&at, &keys::panoramic::HORIZONTAL, horizontal_degrees);
-            problems.check(&at, &keys::panoramic::VERTICAL, vertical_degrees);
-        }
-    }
-    check_axes(&at, camera, problems);
-}
-
-fn check_lens(at: &KeyPath, lens: &LensDescription, problems: &mut ValidationErrors) {
-    use keys::camera::perspective as keys;
-    let LensDescription { radius, focus_distance, blades, rotation_degrees } = lens;
-    problems.check(at, &keys::APERTURE_RADIUS, radius);
-    problems.check(at, &keys::FOCUS_DISTANCE, focus_distance);
-    let focus = problems.0.last_mut().filter(|last| last.path == at.key("focus_distance"));
-    focus.map(|problem| {
-        problem
-            .with_related(at.key("focus_on"))
-            .with_related(at.key("look_at"))
-            .with_related(at.key("position"))
-    });
-    problems.check(at, &keys::BLADES, blades);
-    problems.check(at, &keys::ROTATION, rotation_degrees);
-    if matches!(blades, 1 | 2) {
-        let message = format!("`camera.blades` must be 0 for a disk, or at least 3, not {blades}");
-        problems.add(at.key("blades"), message);
-    }
-}
-
-/// Checks that the view direction and `up` are defined and not parallel.
-fn check_axes(at: &KeyPath, camera: &CameraDescription, problems: &mut ValidationErrors) {
-    let view = normalize_robust(camera.look_at - camera.position);
-    let up = normalize_robust(camera.up);
-    let problem = match (view, up) {
-        (None, _) => {
-            problems.add(at.key("look_at"), "`camera.look_at` must not be `camera.position`")
-        }
-        (_, None) => problems.add(at.key("up"), "`camera.up` must not be [0, 0, 0]"),
-        (Some(view), Some(up)) if view.cross(up).length() < MIN_VIEW_UP_SINE => {
-            let other = if view.y.abs() < 0.5 { "[0, 1, 0]" } else { "[0, 0, 1]" };
-            let key = if camera.up == CameraDescription::default().up { "look_at" } else { "up" };
-            problems
-                .add(at.key(key), "`camera.up` must not be parallel to the view")
-                .with_help(format!("use another direction, such as `up = {other}`"))
-        }
-        _ => return,
-    };
-    ["position", "look_at", "up"].into_iter().for_each(|key| {
-        problem.with_related(at.key(key));
-    });
-}
-
 fn check_background(background: &BackgroundDescription, problems: &mut ValidationErrors) {
     use keys::background as keys;
-    let BackgroundDescription { dome, up, sun, camera_visible, transparent } = background;
+    let BackgroundDescription { dome, up, sun, camera_visible, transparent, backdrop } = background;
     let at = KeyPath::root("background");
     if !is_unit(*up) {
         problems.add(at.key("up"), format!("`background.up` must be a unit vector, not {up}"));
@@ -254,6 +183,9 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
         }
         problems.check(&at, &keys::sun::DIAMETER, angular_diameter_degrees);
         problems.check(&at, &keys::sun::IRRADIANCE, irradiance);
+    }
+    if let Some(backdrop) = backdrop {
+        problems.check(&at, &keys::BACKDROP, backdrop);
     }
     if *transparent && *camera_visible {
         let message = "`background.camera_visible` is true, but `background.transparent` leaves the \
@@ -331,7 +263,7 @@ fn check_sphere(
     materials: usize,
     problems: &mut ValidationErrors,
 ) {
-    let SphereDescription { name, center, radius, material } = sphere;
+    let SphereDescription { name, center, radius, material, shadow_catcher: _ } = sphere;
     // Fast path: most spheres are valid, and a scene may have millions.
     let is_good = *material < materials
         && center.abs().cmple(DVec3::splat(MAX_COORDINATE)).all()
@@ -355,7 +287,7 @@ fn check_table(
     materials: usize,
     problems: &mut ValidationErrors,
 ) {
-    let SphereTable { name, data, material, colors: _, offset } = table;
+    let SphereTable { name, data, material, colors: _, color_space: _, offset } = table;
     if let Some(name) = name {
         problems.check(&at, &keys::table::NAME, name);
     }

@@ -13,11 +13,14 @@ use serde_json::{Value, json};
 use toml::Spanned;
 use toml::de::{DeInteger, DeValue};
 
+use crate::appearance::named_color;
 use crate::color::Rgb;
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::names::Named;
 
 use crate::names::did_you_mean;
+
+use super::synonyms;
 
 /// Byte range of a value.
 pub(super) type Span = std::ops::Range<usize>;
@@ -98,7 +101,7 @@ pub(super) struct Number(pub(super) NumberRange);
 /// Three numbers, each within a range.
 pub(super) struct Vector(pub(super) NumberRange);
 
-/// Three colour channels, each within a range.
+/// Three linear colour channels, each within a range; or an sRGB colour as `#33aa33` or by name.
 pub(super) struct Color(pub(super) NumberRange);
 
 /// An integer within a range.
@@ -206,7 +209,11 @@ impl ParseValue for Vector {
 
     fn parse(&self, node: &SpannedValue<'_>) -> Result<DVec3, InvalidValue> {
         let DeValue::Array(entries) = node.get_ref() else {
-            return Err(InvalidValue::wrong_type(node));
+            let text = node.get_ref().as_str();
+            let numbers =
+                text.filter(|text| text.split(',').all(|x| x.trim().parse::<f64>().is_ok()));
+            let help = numbers.map(|numbers| format!("write [{numbers}]"));
+            return Err(InvalidValue { help, ..InvalidValue::wrong_type(node) });
         };
         let [x, y, z] = &entries[..] else {
             let plural = if entries.len() == 1 { "entry" } else { "entries" };
@@ -236,7 +243,13 @@ impl ParseValue for Color {
     }
 
     fn parse(&self, node: &SpannedValue<'_>) -> Result<Rgb, InvalidValue> {
-        Vector(self.0).parse(node).map(|color| color.as_vec3())
+        match node.get_ref().as_str() {
+            Some(text) => named_color(text).ok_or_else(|| InvalidValue {
+                help: Some("a colour may also be \"#33aa33\" or a name such as \"tomato\"".into()),
+                ..InvalidValue::new(node, format!("{text:?}"))
+            }),
+            None => Vector(self.0).parse(node).map(|color| color.as_vec3()),
+        }
     }
 }
 
@@ -246,7 +259,8 @@ impl ValueType for Color {
     }
 
     fn schema(&self) -> Value {
-        Vector(self.0).schema()
+        let text = json!({ "type": "string", "minLength": 1 });
+        json!({ "anyOf": [Vector(self.0).schema(), text] })
     }
 }
 
@@ -409,7 +423,8 @@ impl<T: Copy> ParseValue for NamedValue<T> {
         let word = NonEmptyString.parse(node)?;
         let choice = self.0.iter().find(|(known, _)| *known == word);
         choice.map(|(_, value)| *value).ok_or_else(|| InvalidValue {
-            help: did_you_mean(&word, self.0.iter().map(|(known, _)| *known)),
+            help: synonyms::value(&word, self.0.iter().map(|(known, _)| *known))
+                .or_else(|| did_you_mean(&word, self.0.iter().map(|(known, _)| *known))),
             ..InvalidValue::new(node, format!("{word:?}"))
         })
     }

@@ -16,6 +16,9 @@ use super::style::StyleValues;
 /// From the front, right and above.
 const DEFAULT_VIEW: ViewDirection = ViewDirection::Angles { azimuth: -55.0, elevation: 25.0 };
 
+/// Vertical field of view of a perspective: a short telephoto lens, which distorts little.
+const VERTICAL_FOV_DEGREES: f64 = 30.0;
+
 /// Pictures have this size unless an override says otherwise.
 const DEFAULT_SIZE: [u32; 2] = [960, 720];
 
@@ -111,7 +114,7 @@ fn import_with(
     let framing = Framing {
         view: options.view.unwrap_or(DEFAULT_VIEW),
         up: options.up,
-        orthographic: options.orthographic,
+        vertical_fov_degrees: (!options.orthographic).then_some(VERTICAL_FOV_DEGREES),
         zoom: options.zoom,
         aspect: f64::from(size[0]) / f64::from(size[1]),
         margins: margins(options.margins, &particles.look.legend),

@@ -57,7 +57,14 @@ fn a_scene_elsewhere_still_finds_its_table() {
     let desk = Desk::empty();
     fs::create_dir_all(desk.path().join("scenes")).expect("a folder");
     desk.run("generate lattice -n 8 -o t.f32 --scene scenes/s.toml").succeeds();
-    assert!(read_file(&desk.path().join("scenes/s.toml"), &[]).is_ok());
+    let spheres = || {
+        let file = read_file(&desk.path().join("scenes/s.toml"), &[]).expect("a good scene");
+        file.description.spheres.len()
+    };
+    assert_eq!(spheres(), 0);
+    desk.run("generate lattice -n 8 -o t.f32 --scene scenes/s.toml --floor").succeeds();
+    assert_eq!(spheres(), 1);
+    desk.run("generate lattice -n 8 -o t.f32 --floor").fails(2, &["--scene"]);
 }
 
 #[test]

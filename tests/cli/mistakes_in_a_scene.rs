@@ -66,3 +66,40 @@ fn samples_must_suit_the_sub_pixels_of_the_paper() {
     desk.run(&format!("{paper} --spp 6"))
         .fails(3, &["--spp 6", "a multiple of the 2 x 2 sub-pixels, not 6"]);
 }
+
+#[test]
+fn a_picture_without_light_or_spheres_is_warned_of() {
+    let render = "render scene.toml -o out.png --spp 1 --quiet";
+    let said = |from: &str, to: &str| {
+        let desk = Desk::new(&SCENE.replacen(from, to, 1));
+        [render, "info scene.toml"].map(|command| desk.run(command).succeeds().stderr)
+    };
+    let dark = said("radiance = [0.5, 0.6, 0.7]", "radiance = [0, 0, 0]");
+    assert!(dark.iter().all(|told| told.contains("warning: nothing shines")), "{dark:?}");
+    assert!(dark[0].contains("warning: the picture is black"), "{}", dark[0]);
+    let away = said("look_at = [0.0, 1.5, 0.0]", "look_at = [1.0, 90.0, 19.0]");
+    assert!(away.iter().all(|told| told.contains("no sphere is in view")), "{away:?}");
+    assert!(away[0].contains("one colour everywhere"), "{}", away[0]);
+    let fine = said("radiance", "radiance");
+    assert!(fine.iter().all(String::is_empty), "{fine:?}");
+}
+
+#[test]
+fn a_new_type_leaves_out_the_keys_of_the_old_one() {
+    let desk = Desk::new(SCENE);
+    let shown = desk.run("info scene.toml --json --set camera.type=orthographic").succeeds();
+    let note = "`camera.vertical_fov_degrees` of the scene is left out: it belongs to another type";
+    assert!(shown.stderr.contains(note), "{}", shown.stderr);
+    let glass = "render scene.toml -o a.png --spp 1 --quiet --set materials.grass.type=dielectric \
+                 --set materials.grass.ior=1.5";
+    let told = desk.run(glass).succeeds().stderr;
+    assert!(told.contains("`materials.grass.albedo` of the scene is left out"), "{told}");
+}
+
+#[test]
+fn a_file_that_is_no_scene_gets_one_sentence() {
+    let shown =
+        Desk::new("<scene version=\"3.0.0\">\n</scene>\n").run("render scene.toml -o a.png");
+    let shown = shown.fails(3, &["this is no scene: it looks like XML", "format = 1"]);
+    assert_eq!(shown.stderr.matches("error:").count(), 1, "{}", shown.stderr);
+}

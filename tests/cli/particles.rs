@@ -201,10 +201,11 @@ fn without_a_number_of_samples_a_picture_gets_as_many_as_it_needs() {
     let desk = desk();
     let tiny = "--size 32x24 --accel native";
     let done = desk.run(&format!("render run.lammpstrj -o a.png {tiny}")).succeeds();
-    for told in [" --noise ", " --max-spp 1024\n"] {
+    for told in [" --quality good ", " --max-spp 1024\n"] {
         assert!(done.stderr.contains(told), "{}", done.stderr);
     }
-    let fixed = format!("render run.lammpstrj -o b.png {tiny} --noise 5% --max-spp 1024 --quiet");
+    let fixed =
+        format!("render run.lammpstrj -o b.png {tiny} --quality good --max-spp 1024 --quiet");
     desk.run(&fixed);
     assert_eq!(channels(&desk, "a.png"), channels(&desk, "b.png"));
 }

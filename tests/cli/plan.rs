@@ -153,7 +153,7 @@ fn what_cannot_be_shared_out_is_refused() {
     let few = "the picture has 5 tiles of 16 x 16 pixels, too few for 6 shards";
     refused("--shards 6 --by crop", 3, &[few, "--by samples"]);
     refused("--shards 6 --noise 1%", 3, &["too few for 6 shards", "use fewer shards"]);
-    let whole = "--noise decides from all samples of a tile";
+    let whole = "--noise and --quality decide from all samples of a tile";
     refused("--shards 2 --noise 1% --by samples", 3, &[whole, "--by crop"]);
     refused("--shards 2 --time 5m", 3, &["the picture cannot be reproduced", "--spp N or --noise"]);
     refused(

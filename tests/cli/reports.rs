@@ -105,6 +105,7 @@ fn doctor_finds_this_build_healthy() {
 fn crosscheck_finds_every_intersector_right() {
     let desk = Desk::new(SCENE);
     let told = desk.run("crosscheck scene.toml --rays 3000 --dump rays.txt").succeeds();
+    assert!(told.stdout.lines().all(|line| line.len() <= 80), "{}", told.stdout);
     let headings = ["passed over", "sides"];
     let parts = ["native ", "brute-force ", "every answer is within the stated tolerance"];
     for part in parts.into_iter().chain(headings) {

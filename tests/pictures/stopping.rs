@@ -4,11 +4,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use photosphere::accel::{Accel, Backend, ErrorBound};
-use photosphere::color::Rgb;
+use photosphere::color::{Rgb, ToneCurve, ViewTransform};
 use photosphere::film::Film;
 use photosphere::geometry::{PathRays, SphereSet};
 use photosphere::job::{
-    Counters, NoiseProgress, NoiseTarget, ProgressiveRenderer, confidence_half_widths,
+    Counters, NoiseProgress, NoiseTarget, ProgressiveRenderer, Quality, confidence_half_widths,
     format_for_scene, render_adaptive,
 };
 use photosphere::math::{DVec3, Hit, Ray, Rect};
@@ -30,7 +30,7 @@ use crate::kit::built;
 /// Seeds of the proof.
 const SEEDS: u64 = 200;
 /// Coarse enough for a test, fine enough for squares to stop at different numbers of samples.
-const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
+const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95, display: None };
 /// More than any square takes.
 const MOST: u32 = 4096;
 
@@ -40,7 +40,8 @@ fn diffuse(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> MaterialDescript
 }
 
 fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereDescription {
-    SphereDescription { name: None, center: DVec3::from(center), radius, material }
+    let center = DVec3::from(center);
+    SphereDescription { center, radius, material, ..SphereDescription::default() }
 }
 
 /// Balls on diffuse ground in the open, and an emitter beside the picture. The left one of its two
@@ -153,21 +154,31 @@ fn long_reference() -> Film {
     film
 }
 
-fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
+fn run(sampler: SamplerKind, seed: u64, truth: &[f64], target: NoiseTarget) -> Run {
     let mut settings = settings();
     (settings.render.sampler, settings.render.seed) = (sampler, seed);
-    let (film, standing) = stopped(&prepared(settings), TARGET);
+    let (film, standing) = stopped(&prepared(settings), target);
     assert_eq!(standing.tiles_converged, standing.tiles);
     let values = values(&film);
-    let widths: Vec<f64> = confidence_half_widths(&film, TARGET.confidence).concat();
+    let widths: Vec<f64> = confidence_half_widths(&film, target.confidence).concat();
     let brightness: Vec<f64> = truth.chunks(3).map(|rgb| rgb.iter().sum::<f64>() / 3.0).collect();
     let off = |i: usize| (values[i] - truth[i]).abs();
     let share = |is: &dyn Fn(usize) -> bool| {
         (0..values.len()).filter(|&i| is(i)).count() as f64 / values.len() as f64
     };
     let covered = share(&|i| off(i) <= widths[i]);
-    let near = share(&|i| off(i) <= TARGET.error * brightness[i / 3]);
+    let near = share(&|i| match target.display {
+        None => off(i) <= target.error * brightness[i / 3],
+        Some(view) => (shown(view, &values, i) - shown(view, truth, i)).abs() <= target.error,
+    });
     Run { covered, near, samples: film.sample_count() as f64, values }
+}
+
+/// A value as it is displayed.
+fn shown(view: ViewTransform, values: &[f64], index: usize) -> f64 {
+    let pixel = &values[index - index % 3..][..3];
+    let light = Rgb::new(pixel[0] as f32, pixel[1] as f32, pixel[2] as f32);
+    f64::from(view.to_display(light)[index % 3])
 }
 
 /// The middle 99 % of the means of the numbers drawn again with repetition: with which mean other
@@ -192,7 +203,7 @@ fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
     for (kind, most) in [(SamplerKind::Independent, 0.97), (SamplerKind::Sobol, 1.0)] {
         let sampler = kind.name();
         let runs: Vec<Run> =
-            (0..SEEDS).into_par_iter().map(|seed| run(kind, seed, &truth)).collect();
+            (0..SEEDS).into_par_iter().map(|seed| run(kind, seed, &truth, TARGET)).collect();
         let covered: Vec<f64> = runs.iter().map(|run| run.covered).collect();
         let [low, high] = bootstrap(&covered);
         let near: f64 = runs.iter().map(|run| run.near).sum::<f64>() / SEEDS as f64;
@@ -204,6 +215,29 @@ fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
         assert!(low >= 0.93 && high <= most, "{sampler}: {low} to {high}");
         assert!(near >= TARGET.confidence, "{sampler}: {near}");
         must_not_be_biased(sampler, &runs, &reference);
+    }
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
+fn displayed_values_are_as_near_as_the_quality_says() {
+    let reference = long_reference();
+    let truth = values(&reference);
+    let filmic = ViewTransform { tone: ToneCurve::Filmic, exposure: 1.0, dither: false };
+    let cases = [(Quality::Good, ViewTransform::default()), (Quality::Preview, filmic)];
+    for ((quality, view), kind) in cases
+        .iter()
+        .flat_map(|case| [SamplerKind::Independent, SamplerKind::Sobol].map(|k| (case, k)))
+    {
+        let target = quality.target(*view);
+        let what = format!("{} {}", quality.name(), kind.name());
+        let runs: Vec<Run> =
+            (0..SEEDS).into_par_iter().map(|seed| run(kind, seed, &truth, target)).collect();
+        let near: f64 = runs.iter().map(|run| run.near).sum::<f64>() / SEEDS as f64;
+        let samples: f64 = runs.iter().map(|run| run.samples).sum::<f64>() / SEEDS as f64 / 512.0;
+        println!("{what}: {samples:.0} samples per pixel, nearer than the target {near:.4}");
+        assert!(near >= target.confidence, "{what}: {near}");
+        must_not_be_biased(&what, &runs, &reference);
     }
 }
 
@@ -348,7 +382,7 @@ impl Accel for Tiring<'_> {
 fn what_cannot_be_met_ends_at_the_most_samples_and_says_so() {
     let prepared = prepared(settings());
     let film = empty_film(&prepared);
-    let target = NoiseTarget { error: 1e-4, confidence: 0.95 };
+    let target = NoiseTarget::new(1e-4);
     let standing = fill(&prepared, &film, target, 100);
     assert!(film.counts().iter().all(|&count| count == 100));
     assert_eq!((standing.tiles_converged, standing.tiles), (0, 2));

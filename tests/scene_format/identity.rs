@@ -122,9 +122,14 @@ fn values() -> SceneDescription {
                 name: Some("ground".to_owned()),
                 center: DVec3::new(0.0, -10.0, 0.0),
                 radius: 10.0,
-                material: 0,
+                ..SphereDescription::default()
             },
-            SphereDescription { name: None, center: DVec3::Y, radius: 0.1, material: 1 },
+            SphereDescription {
+                center: DVec3::Y,
+                radius: 0.1,
+                material: 1,
+                ..SphereDescription::default()
+            },
         ],
         tables: vec![table(grains())],
     }

@@ -4,14 +4,15 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use photosphere::appearance::Appearance;
+use photosphere::appearance::{Appearance, ViewDirection};
 use photosphere::color::Rgb;
 use photosphere::math::{DVec3, Rect};
 use photosphere::particles::Format;
 use photosphere::scene::data::{Column, FileColumn, NumberType, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
-    SceneDescription, SphereDescription, SphereTable, SunDescription,
+    BackgroundDescription, CameraDescription, CameraFit, ColorSpace, EnvironmentDescription,
+    FocusTarget, MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription,
+    SphereTable, SunDescription,
 };
 use photosphere::scene::keys::all;
 use photosphere::scene::settings::{FilterKind, ImageSettings, RenderSettings, Settings};
@@ -63,10 +64,17 @@ fn descriptions(folder: &Path) -> Vec<SceneDescription> {
             data,
             material: 2,
             offset: DVec3::new(0.1, -1e9, 0.0),
+            color_space: if index % 2 == 0 { ColorSpace::Srgb } else { ColorSpace::Linear },
             ..Default::default()
         };
         let (center, radius) = (DVec3::new(1.0, -2.0, 0.1), 0.5);
-        let sphere = SphereDescription { name: Some("ball".into()), center, radius, material: 1 };
+        let sphere = SphereDescription {
+            name: Some("ball".into()),
+            center,
+            radius,
+            material: 1,
+            shadow_catcher: index % 2 == 0,
+        };
         SceneDescription {
             camera: CameraDescription {
                 near: 0.25,
@@ -85,7 +93,25 @@ fn descriptions(folder: &Path) -> Vec<SceneDescription> {
             tables: vec![table],
         }
     };
-    domes(folder).into_iter().enumerate().map(described).collect()
+    let mut all: Vec<_> = domes(folder).into_iter().enumerate().map(described).collect();
+    let with_lens = all.iter().find(|scene| scene.camera.lens().is_some()).expect("a lens").clone();
+    let targets = [FocusTarget::Pixel(3, 4), FocusTarget::TableRow(0, 1)];
+    all.extend(targets.map(|target| {
+        let mut scene = with_lens.clone();
+        let fit = CameraFit { direction: ViewDirection::Axis(2, true), margin: 0.25 };
+        scene.camera.fit = matches!(target, FocusTarget::Pixel(..)).then_some(fit);
+        scene.camera.focus_target = Some(target);
+        if let ProjectionDescription::Perspective { lens: Some(lens), .. } =
+            &mut scene.camera.projection
+        {
+            // Of no matter beside a target.
+            lens.focus_distance = 1.0;
+        }
+        scene.background.transparent = false;
+        scene.background.backdrop = Some(Rgb::splat(0.5));
+        scene
+    }));
+    all
 }
 
 fn settings() -> impl Iterator<Item = Settings> {
@@ -172,7 +198,17 @@ fn every_value_has_a_key() {
         })
     };
     let others: Vec<&str> = keys.iter().filter(|key| !is_found(key)).map(|key| key.name).collect();
-    let expected = ["format", "focus_on", "elevation_degrees", "azimuth_degrees", "metal", "glass"];
+    let expected = [
+        "format",
+        "f_number",
+        "meters_per_unit",
+        "preset",
+        "strength",
+        "elevation_degrees",
+        "azimuth_degrees",
+        "metal",
+        "glass",
+    ];
     assert_eq!(others, expected);
 }
 

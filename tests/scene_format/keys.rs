@@ -64,6 +64,8 @@ fn kind_in_the_manual(key: &KeyInfo) -> String {
     match (key.table, key.name) {
         ("", "format") => return "integer".into(),
         ("image", "crop") => return "four integers, `[x0, y0, x1, y1]`".into(),
+        ("camera", "direction") => return "string or three numbers".into(),
+        ("camera", "focus_on_pixel") => return "two integers, `[x, y]`".into(),
         ("camera", "blades") => return "integer, 0 or 3 to 64".into(),
         ("particles", "replicate") => return "three integers, 1 to 1000".into(),
         _ => {}
@@ -220,6 +222,7 @@ fn saying_a_default_changes_nothing() {
         let DefaultValue::Toml(value) = key.default else { continue };
         let table = key.table.replace("NAME", "m").replace("sphere_tables", "sphere_tables.0");
         let table = table.replace("particles", "particles.0");
+        let table = if table == "spheres" { "spheres.0".to_owned() } else { table };
         let path = format!("{table}.{}", key.name);
         let is_key_itself = |option: &&&str| option.starts_with(&format!("{path}="));
         let prepared = preparation(&key).iter().filter(|option| !is_key_itself(option));

@@ -2,6 +2,8 @@
 
 mod any_text;
 mod backgrounds;
+mod colors;
+mod fitting;
 mod identity;
 mod key_values;
 mod keys;

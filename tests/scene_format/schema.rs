@@ -116,6 +116,10 @@ fn check(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
                 let types = rule.as_array().expect("a list");
                 types.iter().filter(|of_type| check(value, of_type, at).is_ok()).count() == 1
             }
+            "anyOf" => {
+                let choices = rule.as_array().expect("a list");
+                choices.iter().any(|choice| check(value, choice, at).is_ok())
+            }
             other => panic!("{other} is no word that is checked here"),
         };
         if !is_right {

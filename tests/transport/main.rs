@@ -27,5 +27,6 @@ mod recursion;
 mod reproducible;
 mod rough;
 mod scenes;
+mod shadow_catchers;
 mod split;
 mod trapped;

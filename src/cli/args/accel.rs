@@ -23,7 +23,7 @@ pub struct AccelArg {
 #[derive(Args, Debug)]
 pub struct BuildArg {
     /// How to build the tree of the native intersector
-    #[arg(long = "build", value_name = "HOW", default_value = BuildQuality::default().name())]
+    #[arg(id = "build", long, value_name = "HOW", default_value = BuildQuality::default().name())]
     #[arg(value_parser = one_of(explained(care)))]
     pub quality: BuildQuality,
 }

@@ -90,7 +90,7 @@ pub struct BenchArgs {
     /// keeps, with our targets: about a quarter of an hour
     #[arg(long, value_name = "FILE.txt")]
     #[arg(conflicts_with_all = [
-        "path", "suite", "set", "scaling", "render", "stages", "svg", "chosen", "builds", "batches", "quality",
+        "path", "suite", "set", "scaling", "render", "stages", "svg", "chosen", "builds", "batches", "build",
         "limit", "json",
     ])]
     pub record: Option<PathBuf>,

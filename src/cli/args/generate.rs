@@ -35,6 +35,10 @@ pub struct GenerateArgs {
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
 
+    /// Lay the spheres of the scene on a floor
+    #[arg(long, requires = "scene")]
+    pub floor: bool,
+
     /// Give every sphere its own colour, 12 bytes per row
     #[arg(long)]
     pub colors: bool,

@@ -65,7 +65,7 @@ pub struct RenderArgs {
 
     /// Render only these samples of each pixel, such as 0..64; a range starts on a multiple of 16
     /// and, unless it is the last, ends on one
-    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "noise")]
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "target")]
     pub samples: Option<Range<u32>>,
 
     #[command(flatten)]

@@ -32,8 +32,8 @@ include yet, and L_e includes the opacity of the emitter. Each line that begins 
 the sample; their sum is L_o at the camera.
 
 The drawing shows the path from the side, on the upright plane in which it is largest, and names the
-spheres that the path hits or samples. Shadow rays are solid if they reach the emitter and dashed if
-they are occluded.")]
+spheres that the path hits or samples. Shadow rays are solid if they reach the emitter; if something
+is in the way, they are dashed and end there, with a cross.")]
 pub struct TraceArgs {
     #[command(flatten)]
     pub scene: SceneArgs,

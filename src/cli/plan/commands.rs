@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::cli::args::{Division, OutputArgs, PlanArgs};
 use crate::cli::outputs::is_part;
 use crate::cli::particle_file::ParticleFile;
+use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::scene::{Override, Settings};
 
@@ -113,7 +114,14 @@ fn options(args: &PlanArgs, division: Division, settings: &Settings, accel: &str
         add("--noise", noise.to_string());
         add("--confidence", args.stop.confidence.to_string());
     }
-    let has_samples = args.stop.noise.is_some() || args.picture.has_samples();
+    if let Some(quality) = args.stop.quality {
+        add("--quality", quality.name().to_owned());
+        add("--max-spp", args.stop.max_spp.to_string());
+        let ViewTransform { exposure, tone, .. } = args.output.look();
+        add("--tone", tone.name().to_owned());
+        add("--exposure", exposure.to_string());
+    }
+    let has_samples = args.stop.has_target() || args.picture.has_samples();
     if division == Division::Crop
         && !has_samples
         && ParticleFile::is_one(&args.scene.path, &overrides)

@@ -47,7 +47,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
 /// Returns the plan for a scene file as text.
 pub(super) fn text(args: &PlanArgs, outputs: &OutputArgs, file: &SceneFile) -> Result<String> {
     let division = division(&args.stop, args.by)?;
-    args.stop.stop_criteria().validate(&file.settings.render)?;
+    args.stop.stop_criteria(args.output.look()).validate(&file.settings.render)?;
     // Two machines might choose differently, and their parts could not be merged.
     let backend = args.accel.choice.select_for_count(file.size().spheres as usize).backend;
     let plan = ShardPlan::new(args, outputs, division, &file.settings, backend.name())?;
@@ -79,7 +79,7 @@ pub(super) fn outputs(args: &PlanArgs) -> OutputArgs {
 /// Returns how to divide the work.
 fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
     let refused = |message: &str, help: &str| Err(Error::input(message).with_help(help));
-    match (stop.noise, stop.limit_option(), asked) {
+    match (stop.has_target(), stop.limit_option(), asked) {
         (_, Some(limit), _) => refused(
             &format!(
                 "{limit} stops each shard after as many samples as its machine gets done, so the \
@@ -87,12 +87,12 @@ fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
             ),
             "use --spp N or --noise ERROR; set a time limit in sbatch or in the render farm",
         ),
-        (Some(_), None, Some(Division::Samples)) => refused(
-            "--noise decides from all samples of a tile, so sample ranges cannot be separate shards",
+        (true, None, Some(Division::Samples)) => refused(
+            "--noise and --quality decide from all samples of a tile, so sample ranges cannot be separate shards",
             "divide the pixels: --by crop",
         ),
-        (Some(_), None, _) => Ok(Division::Crop),
-        (None, None, asked) => Ok(asked.unwrap_or(Division::Samples)),
+        (true, None, _) => Ok(Division::Crop),
+        (false, None, asked) => Ok(asked.unwrap_or(Division::Samples)),
     }
 }
 

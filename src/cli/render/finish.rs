@@ -29,7 +29,7 @@ pub(super) struct RenderFinisher<'a> {
     pub(super) progress: &'a ProgressDisplay,
     pub(super) times: Times,
     /// Warnings about the spheres.
-    pub(super) about_spheres: Vec<String>,
+    pub(super) about_scene: Vec<String>,
 }
 
 impl RenderFinisher<'_> {
@@ -131,7 +131,7 @@ impl RenderFinisher<'_> {
         let complaint =
             reached.noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string());
         about_film.iter().chain(&complaint).for_each(print::warning);
-        let warnings = [self.about_spheres.clone(), about_film, complaint.into_iter().collect()];
+        let warnings = [self.about_scene.clone(), about_film, complaint.into_iter().collect()];
         let report = Report {
             request: self.request,
             session: self.session,

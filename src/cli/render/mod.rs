@@ -10,12 +10,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::job::{Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES};
-use crate::overlay::OverlaySpec;
-use crate::scene::settings::ImageSettings;
-use crate::scene::{
-    CameraEnclosure, ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text,
+use crate::job::{
+    Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES, scene_warnings,
 };
+use crate::overlay::OverlaySpec;
+use crate::scene::{ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text};
 
 use crate::studio::overlay_spec;
 
@@ -82,8 +81,8 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs.set_overlay(overlay.clone());
     outputs.set_columns(columns);
     let load_s = clock.lap();
-    let about_spheres = about_spheres(&scene, &settings.image);
-    about_spheres.iter().for_each(print::warning);
+    let about_scene = scene_warnings(&scene, &settings);
+    about_scene.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, overlay, keep.as_ref(), &interrupt)?;
     let times = Times { load_s, build_s: session.build_seconds() };
@@ -97,7 +96,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
         interrupt: &interrupt,
         progress: &progress,
         times,
-        about_spheres,
+        about_scene,
     };
     viewers.run_alongside(&session, &interrupt, |last_look| {
         let began = Instant::now();
@@ -205,27 +204,6 @@ fn tell_of_samples(session: &Session, path: &Path) {
     };
     let path = path.display();
     print::note(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
-}
-
-/// Returns warnings about duplicate spheres and a camera inside a sphere.
-pub(super) fn about_spheres(scene: &Scene, image: &ImageSettings) -> Vec<String> {
-    let spheres = scene.spheres();
-    let mut warnings = Vec::new();
-    // A sphere with others inside is a room.
-    let enclosure = CameraEnclosure::find(scene, image).filter(|enclosure| enclosure.is_empty);
-    if let Some(CameraEnclosure { sphere, .. }) = enclosure {
-        warnings.push(format!(
-            "the camera is inside the opaque sphere `{}` and sees nothing else",
-            scene.name_of_row(spheres.row(sphere)),
-        ));
-    }
-    if spheres.duplicates() > 0 {
-        warnings.push(format!(
-            "{} left out: an earlier row is the same sphere",
-            print::count(spheres.duplicates(), "sphere"),
-        ));
-    }
-    warnings
 }
 
 /// Measures lap times.

@@ -145,6 +145,7 @@ fn noise_in_json(noise: NoiseStatus) -> Value {
     json!({
         "target": noise.target.error,
         "confidence": noise.target.confidence,
+        "display": noise.target.display,
         "tiles": noise.tiles,
         "tiles_converged": noise.tiles_converged,
         "worst_error": noise.worst_error,

@@ -8,12 +8,12 @@ use crate::cli::outputs::{is_part, is_stdout};
 use crate::cli::scene_file::STANDARD_INPUT;
 use crate::error::{Error, Result};
 use crate::image_io::FileFormat;
-use crate::job::{CheckpointHeader, FilePath, Job, NoiseTarget, OutputSpec};
+use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec, Quality};
 use crate::scene::{Override, SceneSource};
 use crate::studio::StudioOptions;
 
-/// The noise of a good picture of a particle file.
-const GOOD_NOISE: f64 = 0.05;
+/// The quality of a picture of a particle file.
+const USUAL_QUALITY: Quality = Quality::Good;
 
 /// The most samples per pixel that a good picture may take.
 const GOOD_SAMPLES: u32 = 1024;
@@ -55,7 +55,7 @@ impl RenderRequest {
     pub(in crate::cli) fn of_args(args: &RenderArgs) -> Self {
         let job = Job {
             samples: args.samples.clone(),
-            until: args.stop.stop_criteria(),
+            until: args.stop.stop_criteria(args.output.look()),
             layers: args.output.kinds(),
             accel: args.accel.choice,
             quality: args.accel.build.quality,
@@ -105,7 +105,7 @@ impl RenderRequest {
         {
             return self;
         }
-        until.noise = Some(NoiseTarget::new(GOOD_NOISE));
+        until.noise = Some(USUAL_QUALITY.target(self.delivery.look));
         self.has_default_noise = true;
         self.overrides.push(Override::new(DECIDING[0], GOOD_SAMPLES.to_string()));
         self
@@ -115,8 +115,8 @@ impl RenderRequest {
     pub(in crate::cli) fn default_choices(&self) -> Vec<(&'static str, String)> {
         match self.has_default_noise {
             true => {
-                let noise = format!("{}%", 100.0 * GOOD_NOISE);
-                vec![("noise", noise), ("max-spp", GOOD_SAMPLES.to_string())]
+                let quality = USUAL_QUALITY.name().to_owned();
+                vec![("quality", quality), ("max-spp", GOOD_SAMPLES.to_string())]
             }
             false => Vec::new(),
         }

@@ -124,9 +124,17 @@ impl Viewers {
         let frame = *session.film().frame();
         let picture = PIXEL.saturating_mul(frame.pixel_count() as u32);
         let mut pictures = BudgetedTimer::new(self.every, FOR_PICTURES, session.threads(), picture);
+        let mut has_shown_first = false;
         while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
             // While the result is being saved, pictures must not take threads away from it.
-            if !state.is_saving.load(Ordering::Relaxed) {
+            if state.is_saving.load(Ordering::Relaxed) {
+                continue;
+            }
+            // The first whole picture is worth more than the time that it takes.
+            if !has_shown_first && session.film().sample_count_range().0 > 0 {
+                has_shown_first = true;
+                pictures.run_now(|| self.show(session));
+            } else {
                 pictures.run_if_due(|| self.show(session));
             }
         }

@@ -157,6 +157,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         hits: &[Hit],
     ) {
         let use_lanes = self.uses_lanes();
+        let has_catchers = self.context.scene.has_shadow_catchers();
         let constant_radiance = self.constant_environment();
         for (index, &hit) in hits.iter().enumerate() {
             if !self.visible_surfaces.is_empty() {
@@ -165,6 +166,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let escapes = hit.is_miss() && !queues.paths.rays.is_inward(index);
             match constant_radiance.filter(|_| escapes) {
                 Some(radiance) => self.shade_constant_miss(&queues.paths.states[index], radiance),
+                None if has_catchers && self.is_caught(&queues.paths.states[index], hit) => {
+                    self.shade_scalar(queues, index, hit);
+                }
                 None if use_lanes && !escapes && self.enqueue(isa, batches, queues, index, hit) => {
                 }
                 None => self.shade_scalar(queues, index, hit),
@@ -174,11 +178,19 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.clock.end(Stage::Sorting);
     }
 
+    /// Returns true if a path comes straight from the camera and hits a shadow catcher.
+    fn is_caught(&self, state: &PathState, hit: Hit) -> bool {
+        state.depth == 1 && !hit.is_miss() && self.context.scene.is_shadow_catcher(hit.id)
+    }
+
     /// Shades a single path.
     #[inline(never)]
     pub(super) fn shade_scalar(&mut self, queues: &mut StageQueues<'_>, index: usize, hit: Hit) {
         let mut path = queues.paths.get(index);
         let ray = match self.context.scene.spheres().resolve_hit(&path.ray, hit) {
+            Some(surface) if self.is_caught(&path.state, hit) => {
+                self.shade_shadow_catcher(&path, &surface, &mut queues.shadow)
+            }
             Some(surface) => {
                 self.clock.count(1, 1);
                 self.shade_hit(&mut path, surface, &mut queues.shadow)
@@ -217,6 +229,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let contribution =
             self.clamp_contribution(pending.radiance * visibility, pending.is_direct);
         self.add_contribution(pending.batch_index, contribution);
+        if pending.is_caught {
+            self.radiance[pending.batch_index as usize].alpha = 1.0 - visibility.max_element();
+            return;
+        }
         let connection = pending.connection;
         self.recorder.record(|| PathEvent::ShadowRay { connection, visibility, contribution });
     }

@@ -199,7 +199,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             let has_more = index + 1 < legs.count;
             let batch_index = state.batch_index;
             let connection = light.number;
-            let pending = PendingDirect { batch_index, radiance, is_direct, has_more, connection };
+            let is_caught = false;
+            let pending =
+                PendingDirect { batch_index, radiance, is_direct, has_more, connection, is_caught };
             shadow_queue.shadow_rays.push(ray, pending);
             if needs_media {
                 let medium = legs.medium.filter(|_| *is_inside);

@@ -24,6 +24,7 @@ mod path_tracer;
 mod paths;
 mod scatter;
 mod shade;
+mod shadow_catcher;
 mod vertex;
 mod visible_surface;
 mod weight;

@@ -137,8 +137,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let is_direct = state.is_light_sample_direct();
         let batch_index = state.batch_index;
-        let pending =
-            PendingDirect { batch_index, radiance, is_direct, has_more: false, connection: 0 };
+        let pending = PendingDirect {
+            batch_index,
+            radiance,
+            is_direct,
+            has_more: false,
+            connection: 0,
+            is_caught: false,
+        };
         shadow_queue.shadow_rays.push(&ray, pending);
         if self.context.scene.has_passable_surfaces() {
             let media = self.media_of(state);

@@ -73,6 +73,9 @@ pub(super) struct PendingDirect {
     pub(super) has_more: bool,
     /// Number of the connection at its vertex, from 1; 0 is the light sample.
     pub(super) connection: u8,
+    /// True if it is what is behind a shadow catcher, whose alpha is what the ray does not
+    /// transmit.
+    pub(super) is_caught: bool,
 }
 
 /// The shadow rays of a stage and their pending contributions.

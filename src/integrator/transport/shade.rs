@@ -30,9 +30,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let (mut radiance, map_pdf) = lights.environment().radiance_and_pdf(direction);
         if state.depth == 1 {
             // The path has not scattered yet: it comes straight from the camera.
-            if !self.context.scene.camera_sees_background() {
-                radiance = Rgb::ZERO;
-            }
+            radiance = self.context.scene.seen_by_camera(radiance);
             self.set_background_alpha(state);
             self.record_background(path, radiance);
         } else if fault!(BackgroundCameraOnly) {
@@ -72,9 +70,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     pub(super) fn shade_constant_miss(&mut self, state: &PathState, mut radiance: Rgb) {
         if state.depth == 1 {
             self.set_background_alpha(state);
-            if !self.context.scene.camera_sees_background() {
-                radiance = Rgb::ZERO;
-            }
+            radiance = self.context.scene.seen_by_camera(radiance);
         }
         if state.depth > 1 && fault!(BackgroundCameraOnly) {
             radiance = Rgb::ZERO;

@@ -10,8 +10,8 @@ use crate::math::Rect;
 use super::super::adaptive::estimate_error;
 use super::super::checkpoint::{CheckpointHeader, CumulativeStats, RenderStatus};
 use super::super::metadata::{Metadata, RunRecord};
-use super::super::noise::NoiseTarget;
 use super::super::samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
+use super::super::spec::StopCriteria;
 use super::cells::{cells, first_missing, is_contiguous_from};
 use super::input::MergeInput;
 
@@ -146,7 +146,7 @@ impl MergedExtent {
             rays: total(inputs, |header| header.statistics.rays),
             seconds: total(inputs, |header| header.statistics.seconds),
             threads: 1,
-            error: estimate_error(sum, NoiseTarget::CONFIDENCE),
+            error: estimate_error(sum, &StopCriteria::default().reported_target()),
             command,
             ..first_run
         });

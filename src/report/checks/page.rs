@@ -8,6 +8,15 @@ use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 
 use super::entry::CheckEntry;
 
+/// The groups, those first that show the most to somebody who has not seen them before.
+const READING_ORDER: [CheckGroup; CheckGroup::ALL.len()] = [
+    CheckGroup::ClosedForms,
+    CheckGroup::Connections,
+    CheckGroup::Materials,
+    CheckGroup::ChiSquare,
+    CheckGroup::Crosscheck,
+];
+
 /// Renders the page. `about` comes first: what was checked, where and how.
 pub fn page(about: &[(&str, String)], entries: &[CheckEntry<'_>]) -> String {
     let failed: Vec<CheckEntry<'_>> =
@@ -21,7 +30,7 @@ pub fn page(about: &[(&str, String)], entries: &[CheckEntry<'_>]) -> String {
         body += &element("h2", "", "Failed checks");
         body += &failed.iter().map(entry_figures).collect::<String>();
     }
-    for group in CheckGroup::ALL {
+    for group in READING_ORDER {
         let group_entries: Vec<CheckEntry<'_>> =
             entries.iter().copied().filter(|(check, _)| check.group == group).collect();
         if !group_entries.is_empty() {
@@ -53,7 +62,7 @@ fn summary(entries: &[CheckEntry<'_>]) -> String {
         let count = format!("{passed} of {}", group_entries.len());
         Some(vec![link, mark(passed == group_entries.len(), &count), statistic(largest)])
     };
-    table(&["group", "passed", "largest statistic"], CheckGroup::ALL.into_iter().filter_map(row))
+    table(&["group", "passed", "largest statistic"], READING_ORDER.into_iter().filter_map(row))
 }
 
 fn how_to_read(entries: &[CheckEntry<'_>]) -> String {
@@ -78,7 +87,10 @@ fn section(group: CheckGroup, entries: &[CheckEntry<'_>]) -> String {
             CheckGroup::ClosedForms => {
                 CLOSED_FORMS.iter().map(|form| closed_form(form, entries)).collect::<String>()
             }
-            _ => listing(entries) + &all_figures(entries),
+            _ => {
+                let all = format!("all {} checks", entries.len());
+                details(&all, &listing(entries)) + &all_figures(entries)
+            }
         }
 }
 

@@ -58,6 +58,10 @@ fn panel(series: &[Series], metric: ErrorMetric, axis: Axis) -> Option<Panel> {
     let names = [x_name, metric.name()];
     let xs = marks.clone().flat_map(|mark| bounds(mark.x));
     let axes = Axes::around(names, xs, marks.clone().flat_map(|mark| bounds(mark.y)))?;
+    let axes = match axis {
+        Axis::Samples => axes.with_x_ticks(marks.clone().map(|mark| mark.x.middle)),
+        Axis::Seconds => axes,
+    };
     Some(Panel { axes, lines })
 }
 

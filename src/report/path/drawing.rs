@@ -3,14 +3,13 @@
 //! Everything is projected orthographically on the vertical plane in which the path is widest.
 //! Spheres are drawn as outlines.
 
-use crate::color::Rgb;
 use crate::draw::{Canvas, SideView};
-use crate::integrator::{PathEvent, PathTrace};
-use crate::light::LightSource;
+use crate::integrator::PathTrace;
 use crate::math::{DVec2, DVec3};
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{name, shadow_result, to_scene};
+use super::sketch::{Line, Sketch};
+use super::spheres::{name, to_scene};
 use super::text::number;
 
 /// More spheres than this only hide the path.
@@ -30,29 +29,10 @@ text { font: 13px sans-serif; fill: #222 }\n\
 .path { stroke: #0b3c6f; stroke-width: 2.4; fill: none }\n\
 .unoccluded { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
 .occluded { stroke: #c0392b; stroke-width: 1.4; stroke-dasharray: 5 4; fill: none }\n\
+.head { stroke-dasharray: none }\n\
 .vertex { fill: #0b3c6f; stroke: #fff }\n\
+.cross { stroke: #c0392b; stroke-width: 2 }\n\
 .bar { stroke: #222; stroke-width: 2 }\n";
-
-/// A line of the drawing, in the user's coordinates.
-struct Line {
-    class: &'static str,
-    from: DVec3,
-    to: Option<DVec3>,
-    /// Direction of a line that escapes.
-    direction: DVec3,
-}
-
-/// Contents of the drawing.
-#[derive(Default)]
-struct Sketch {
-    lines: Vec<Line>,
-    /// Start of the path.
-    camera: DVec3,
-    /// Vertices of the path, starting at the camera.
-    vertices: Vec<DVec3>,
-    hit_ids: Vec<u32>,
-    emitters: Vec<u32>,
-}
 
 /// Draws the path as SVG.
 pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
@@ -66,6 +46,12 @@ pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
     for line in &sketch.lines {
         draw_line(&mut canvas, line, &view);
     }
+    for &point in &sketch.blocked {
+        let at = view.project(point);
+        for corner in [DVec2::new(4.0, 4.0), DVec2::new(4.0, -4.0)] {
+            canvas.line("cross", at - corner, at + corner);
+        }
+    }
     for (position, name) in labels {
         canvas.text("halo", "middle", position, &name);
     }
@@ -73,88 +59,6 @@ pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
     canvas.leave_window();
     draw_legend(&mut canvas, prepared, trace, &view);
     canvas.finish()
-}
-
-impl Sketch {
-    fn of(scene: &Scene, trace: &PathTrace) -> Self {
-        let mut sketch = Self::default();
-        for (index, event) in trace.events.iter().enumerate() {
-            match event {
-                PathEvent::CameraRay { ray, .. } => {
-                    sketch.camera = to_scene(scene, ray.origin);
-                    sketch.vertices.push(sketch.camera);
-                }
-                PathEvent::Hit { hit, .. } => {
-                    let point = to_scene(scene, hit.point);
-                    sketch.extend(point);
-                    sketch.hit_ids.push(hit.id);
-                    if scene.sphere_material(hit.id).material.is_emissive() {
-                        sketch.emitters.push(hit.id);
-                    }
-                }
-                PathEvent::Miss { wo, .. } => {
-                    sketch.lines.extend(sketch.vertices.last().map(|&from| Line {
-                        class: "path",
-                        from,
-                        to: None,
-                        direction: -*wo,
-                    }))
-                }
-                PathEvent::LightSample { sample, .. } => {
-                    if let LightSource::Emitter(id) | LightSource::FarWall(id) = sample.source {
-                        sketch.emitters.push(id);
-                    }
-                    let Some((visibility, _)) = shadow_result(&trace.events, index, 0) else {
-                        continue;
-                    };
-                    let Some(&from) = sketch.vertices.last() else { continue };
-                    let is_finite = sample.distance.is_finite();
-                    sketch.lines.push(Line {
-                        class: if visibility == Rgb::ZERO { "occluded" } else { "unoccluded" },
-                        from,
-                        to: is_finite.then(|| from + sample.distance * sample.direction),
-                        direction: sample.direction,
-                    });
-                }
-                PathEvent::Connection { .. } => sketch.connect(scene, trace, index),
-                _ => {}
-            }
-        }
-        sketch
-    }
-
-    /// Adds the legs of the connection at event `index`.
-    fn connect(&mut self, scene: &Scene, trace: &PathTrace, index: usize) {
-        let PathEvent::Connection { number, caster, source, connection, .. } = &trace.events[index]
-        else {
-            return;
-        };
-        let result = shadow_result(&trace.events, index, *number);
-        let (Some((visibility, _)), Some(&vertex)) = (result, self.vertices.last()) else { return };
-        self.hit_ids.push(*caster);
-        if let LightSource::Emitter(id) = source {
-            self.emitters.push(*id);
-        }
-        let class = if visibility == Rgb::ZERO { "occluded" } else { "unoccluded" };
-        let mut from = vertex;
-        for &point in connection.points() {
-            let to = to_scene(scene, point);
-            self.lines.push(Line { class, from, to: Some(to), direction: DVec3::ZERO });
-            from = to;
-        }
-        let direction = -connection.direction_at_y;
-        let is_finite = connection.leg_at_y.is_finite();
-        let to = is_finite.then(|| from + connection.leg_at_y * direction);
-        self.lines.push(Line { class, from, to, direction });
-    }
-
-    /// Extends the path to the next vertex.
-    fn extend(&mut self, to: DVec3) {
-        if let Some(&from) = self.vertices.last() {
-            self.lines.push(Line { class: "path", from, to: Some(to), direction: DVec3::ZERO });
-        }
-        self.vertices.push(to);
-    }
 }
 
 /// Draws the spheres in view, largest first, and returns their labels, which belong on top.
@@ -219,6 +123,28 @@ fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
         None => from + view.across() * view.direction(line.direction),
     };
     canvas.line(line.class, from, to);
+    draw_arrow(canvas, line.class, from, to, view.window);
+}
+
+/// Draws the head of an arrow near the middle of what is seen of a line, if it is long enough.
+fn draw_arrow(canvas: &mut Canvas, class: &str, from: DVec2, to: DVec2, window: DVec2) {
+    let length = from.distance(to);
+    let along = (to - from).normalize_or(DVec2::X);
+    // A line that escapes is cut at the edge of the window.
+    let is_inside = |at: f64| {
+        let point = from + at * along;
+        point.cmpge(DVec2::ZERO).all() && point.cmple(window).all()
+    };
+    let seen = (1..=64).map(|step| length * f64::from(step) / 64.0).take_while(|at| is_inside(*at));
+    let Some(seen) = seen.last().filter(|seen| *seen > 28.0) else { return };
+    let tip = from + (0.55 * seen + 4.0) * along;
+    for side in [1.0, -1.0] {
+        let back = DVec2::new(
+            -9.0 * along.x - side * 4.5 * along.y,
+            -9.0 * along.y + side * 4.5 * along.x,
+        );
+        canvas.line(&format!("{class} head"), tip, tip + back);
+    }
 }
 
 /// Positions of the vertex labels: away from the incoming path, and above the camera.
@@ -263,7 +189,7 @@ fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace,
     let entries = [
         ("path", "path"),
         ("unoccluded", "light that arrives"),
-        ("occluded", "light that is occluded"),
+        ("occluded", "light that is blocked (x)"),
     ];
     for (class, text) in entries {
         canvas.line(class, position, position + DVec2::X * 32.0);

@@ -2,8 +2,11 @@
 //! from the side, and as JSON. The input is a [`PathTrace`](crate::integrator::PathTrace), which
 //! the integrator records from the path itself.
 
+mod blocker;
 mod drawing;
+mod fold;
 mod json;
+mod sketch;
 mod spheres;
 mod text;
 

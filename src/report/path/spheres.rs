@@ -7,12 +7,9 @@ use crate::light::specular::SpecularPath;
 use crate::math::DVec3;
 use crate::scene::Scene;
 
-/// Name of a sphere in the scene, or its row.
+/// Name of a sphere in the scene, or its place there.
 pub(super) fn name(scene: &Scene, id: u32) -> String {
-    match scene.name(id) {
-        Some(name) => format!("`{name}`"),
-        None => format!("sphere {}", scene.spheres().row(id)),
-    }
+    format!("`{}`", scene.name_of_row(scene.spheres().row(id)))
 }
 
 pub(super) fn source_name(scene: &Scene, source: LightSource) -> String {

@@ -9,6 +9,7 @@ use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::scene::{PreparedScene, Scene};
 
+use super::fold::fold;
 use super::spheres::{name, shadow_result, source_name, to_scene, way_over_ball};
 
 /// Describes the whole path.
@@ -33,13 +34,14 @@ pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
         text += &event_text(scene, trace, index, vertex);
     }
     let radiance = trace.radiance;
-    text + &format!(
+    text += &format!(
         "\nL_o at the camera = {} direct + {} indirect = {}; {} traced\n",
         color(radiance.direct),
         color(radiance.indirect),
         color(radiance.direct + radiance.indirect),
         count(trace.stats.rays as usize, "ray"),
-    )
+    );
+    fold(&text)
 }
 
 fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> String {
@@ -270,6 +272,7 @@ pub(super) fn reason(termination: Termination) -> &'static str {
         Termination::Escaped => "the ray escapes",
         Termination::MaxDepth => "max_depth is reached",
         Termination::LengthLimit => "the hard limit on the path length is reached",
+        Termination::ShadowCatcher => "the camera sees only the shadow on this surface",
         Termination::Trapped => "total reflection keeps it in a sphere where it finds no light",
         Termination::Absorbed => "the surface scatters no light in the sampled direction",
         Termination::Grazing => "the sampled direction grazes the surface",

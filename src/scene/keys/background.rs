@@ -11,6 +11,8 @@ use super::limits::{ANGLE, RADIANCE, SCALE, UNIT_COLOR};
 
 keys! {
     RADIANCE_EVERYWHERE: Color = key("radiance", RADIANCE, Toml("[0, 0, 0]"), "a constant radiance from all directions, in W/(sr m^2)");
+    BACKDROP: Color = key("backdrop", RADIANCE, Derived("what lights the scene"),
+        "what camera rays that hit nothing see, in W/(sr m^2); the light comes from the background as before");
     UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction of the zenith, of any length");
     CAMERA_VISIBLE: Boolean = key("camera_visible", Boolean, Derived("true, unless transparent"),
         "whether camera rays that hit nothing see the background");

@@ -2,15 +2,16 @@
 
 use crate::math::MAX_COORDINATE;
 use crate::scene::columns::ColumnValue;
-use crate::scene::description::{ColorStorage, ProjectionKind};
+use crate::scene::description::{ColorSpace, ColorStorage, LightPreset, ProjectionKind};
+use crate::scene::direction_value::DirectionValue;
 use crate::scene::settings::FilterKind;
 use crate::scene::value_types::{
-    COORDINATES as COORDINATE_VECTOR, EnumValue, Integer, ListOf, NonEmptyString, Number,
+    Boolean, COORDINATES as COORDINATE_VECTOR, EnumValue, Integer, ListOf, NonEmptyString, Number,
     NumberRange, Vector,
 };
 
 use super::key::DefaultValue::{Derived, Required, Toml};
-use super::key::{CliOption, DynKey, Key, key, key_with_option, keys, option};
+use super::key::{CliOption, DefaultValue, DynKey, Key, key, key_with_option, keys, option};
 use super::limits::{ANGLE, LENGTH, MAX_IMAGE_SIDE, MIN_RADIUS};
 
 /// The document root.
@@ -43,10 +44,15 @@ pub(in crate::scene) mod image {
 pub(in crate::scene) mod camera {
     use super::*;
 
+    const UNLESS_FITTED: DefaultValue = Derived("required, unless fitted");
+
     keys! {
         TYPE: EnumValue<ProjectionKind> = key("type", EnumValue::NEW, Toml("\"perspective\""), "the projection");
-        POSITION: Vector = key("position", COORDINATE_VECTOR, Required, "the centre of the lens or, for parallel rays, of the image plane");
-        LOOK_AT: Vector = key("look_at", COORDINATE_VECTOR, Required, "the point in the middle of the picture");
+        FIT: Boolean = key("fit", Boolean, Toml("false"), "places the camera so that it sees all that the scene shows, as large as fits");
+        DIRECTION: DirectionValue = key("direction", DirectionValue, Derived("iso"), "with fit: from where the camera looks");
+        MARGIN: Number = key("margin", Number(NumberRange::Closed(0.0, 0.49)), Derived("0.05"), "with fit: the share of the picture that stays free on each side");
+        POSITION: Vector = key("position", COORDINATE_VECTOR, UNLESS_FITTED, "the centre of the lens or, for parallel rays, of the image plane");
+        LOOK_AT: Vector = key("look_at", COORDINATE_VECTOR, UNLESS_FITTED, "the point in the middle of the picture");
         UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction that points up in the picture, of any length");
         NEAR: Number = key("near", Number(NumberRange::Closed(0.0, MAX_COORDINATE)), Toml("0"),
             "camera rays start at this depth and ignore everything nearer");
@@ -59,9 +65,15 @@ pub(in crate::scene) mod camera {
                 "the vertical field of view");
             APERTURE_RADIUS: Number = key("aperture_radius", Number(NumberRange::Closed(0.0, MAX_COORDINATE)), Toml("0"),
                 "the radius of the aperture, in scene units; 0 is a pinhole");
+            F_NUMBER: Number = key("f_number", Number(NumberRange::LeftOpen(0.0, 1e6)), Derived("none"),
+                "instead of aperture_radius: that of a lens in front of a film 24 mm high");
+            METERS_PER_UNIT: Number = key("meters_per_unit", Number(NumberRange::LeftOpen(0.0, 1e30)), Derived("1"),
+                "with f_number: the length of a scene unit in metres");
             FOCUS_DISTANCE: Number = key("focus_distance", LENGTH, Derived("that of look_at"),
                 "the distance from the lens to the plane in focus, along the view axis");
-            FOCUS_ON: NonEmptyString = key("focus_on", NonEmptyString, Derived("none"), "instead of focus_distance: the name of a sphere to focus on");
+            FOCUS_ON: NonEmptyString = key("focus_on", NonEmptyString, Derived("none"), "instead of focus_distance: the name of a sphere to focus on, or \"TABLE:ROW\"");
+            FOCUS_ON_PIXEL: ListOf<Integer<u32>> = key("focus_on_pixel", ListOf(Integer(0..=MAX_IMAGE_SIDE)), Derived("none"),
+                "instead of focus_distance: focuses on what this pixel shows");
             BLADES: Integer<u32> = key("blades", Integer(0..=64), Toml("0"), "the number of corners of the aperture; 0 is a disk");
             ROTATION: Number = key("rotation_degrees", ANGLE, Toml("0"), "rotates the aperture counterclockwise");
         }
@@ -70,7 +82,7 @@ pub(in crate::scene) mod camera {
     pub(in crate::scene) mod orthographic {
         use super::*;
         keys! {
-            HEIGHT: Number = key("height", LENGTH, Required, "the height of the visible area, in scene units");
+            HEIGHT: Number = key("height", LENGTH, Derived("what 36 degrees show at look_at"), "the height of the visible area, in scene units");
         }
     }
 
@@ -85,6 +97,15 @@ pub(in crate::scene) mod camera {
     }
 }
 
+/// `[light]`.
+pub(in crate::scene) mod light {
+    use super::*;
+    keys! {
+        PRESET: EnumValue<LightPreset> = key("preset", EnumValue::NEW, Required, "light that suits most scenes, beside the camera");
+        STRENGTH: Number = key("strength", Number(NumberRange::LeftOpen(0.0, 1e6)), Derived("1"), "multiplies its radiance");
+    }
+}
+
 /// `[[spheres]]`.
 pub(in crate::scene) mod sphere {
     use super::*;
@@ -93,6 +114,7 @@ pub(in crate::scene) mod sphere {
         CENTER: Vector = key("center", COORDINATE_VECTOR, Required, "the centre");
         RADIUS: Number = key("radius", Number(NumberRange::Closed(MIN_RADIUS, MAX_COORDINATE)), Required, "the radius");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
+        SHADOW_CATCHER: Boolean = key("shadow_catcher", Boolean, Toml("false"), "whether the camera sees only the shadow that others cast on it");
     }
 }
 
@@ -106,6 +128,7 @@ pub(in crate::scene) mod table {
             "the meaning and type of each number in a row; may be left out for a NumPy file of records");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
         COLORS: EnumValue<ColorStorage> = key("colors", EnumValue::NEW, Toml("\"exact\""), "how colours are stored in memory");
+        COLOR_SPACE: EnumValue<ColorSpace> = key("color_space", EnumValue::NEW, Toml("\"linear\""), "whether the columns r, g and b are linear, or sRGB as on screens");
         OFFSET: Vector = key("offset", COORDINATE_VECTOR, Toml("[0, 0, 0]"), "added to each centre, in f64");
         SKIP_ROWS: Integer<i64> = key("skip_rows", Integer(0..=i64::MAX), Toml("0"), "rows to skip at the beginning");
         SKIP_BYTES: Integer<i64> = key("skip_bytes", Integer(0..=i64::MAX), Toml("0"), "bytes before the first row of a raw file");

@@ -16,11 +16,25 @@ mod sections;
 pub use key::{CliOption, DefaultValue, KeyInfo};
 pub use schema::schema;
 
-pub(super) use entries::{camera, image, root, sphere, table};
+pub(super) use entries::{camera, image, light, root, sphere, table};
 pub(super) use key::{Key, KeyVisitor};
 pub(super) use limits::{MAX_RADIANCE, MIN_RADIUS};
 
-use key::TableSchema;
+use key::{DynKey, TableSchema};
+
+/// The keys that only other types of a table have than this one: of `camera` or `materials.NAME`.
+pub(super) fn of_other_types(table: &str, name: &str) -> Vec<&'static str> {
+    let is_it = |section: &&TableSchema| section.path == table;
+    let Some(section) = sections::tables().find(is_it) else { return Vec::new() };
+    let keys_of = |keys: &[&'static dyn DynKey]| -> Vec<&'static str> {
+        keys.iter().map(|key| key.info(section.path, None).name).collect()
+    };
+    let is_named = |(other, _): &&(&str, &[&dyn DynKey])| *other == name;
+    let Some((_, own)) = section.types.iter().find(is_named) else { return Vec::new() };
+    let own = [keys_of(own), keys_of(section.keys)].concat();
+    let others = section.types.iter().flat_map(|(_, keys)| keys_of(keys));
+    others.filter(|key| !own.contains(key)).collect()
+}
 
 /// Every key of a scene file, table by table.
 pub fn all() -> Vec<KeyInfo> {

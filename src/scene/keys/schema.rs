@@ -66,7 +66,13 @@ impl SchemaNode {
             if !is_first(index) && !required.contains(&"type") {
                 required.push("type");
             }
-            object_schema(section.help, properties, &required)
+            let mut schema = object_schema(section.help, properties, &required);
+            if section.path == "camera" {
+                // What a fitted camera finds by itself.
+                let placed = json!({ "required": ["position", "look_at"] });
+                schema["anyOf"] = json!([placed, { "required": ["fit"] }]);
+            }
+            schema
         };
         json!({ "oneOf": section.types.iter().enumerate().map(of_type).collect::<Vec<_>>() })
     }

@@ -2,7 +2,7 @@
 
 use crate::scene::description::ProjectionKind;
 
-use super::entries::{camera, image, root, sphere, table};
+use super::entries::{camera, image, light, root, sphere, table};
 use super::key::{TableSchema, untyped_table};
 use super::{background, material, particles, render};
 
@@ -24,6 +24,7 @@ const BEFORE_BACKGROUND: &[TableSchema] = &[
             (ProjectionKind::Panoramic.name(), camera::panoramic::ALL),
         ],
     },
+    untyped_table("light", "light by name, in place of a background", light::ALL),
 ];
 
 const AFTER_BACKGROUND: &[TableSchema] = &[

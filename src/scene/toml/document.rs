@@ -10,6 +10,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::names::did_you_mean;
 use crate::scene::keys::{DefaultValue, Key, KeyVisitor};
+use crate::scene::synonyms;
 use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
 use crate::scene::value_types::{
     InvalidValue, ParseValue, Span, SpannedValue, ValueType, type_name,
@@ -17,6 +18,7 @@ use crate::scene::value_types::{
 
 use super::diagnostics::{Diagnostics, SpannedError};
 use super::nesting::{MAX_DEPTH, too_deep};
+use super::not_toml::what_it_looks_like;
 
 /// Maximum number of known keys that a message lists.
 const MAX_LISTED_KEYS: usize = 12;
@@ -31,6 +33,13 @@ pub(super) fn parse<'t>(text: &'t str, report: &Diagnostics) -> DeTable<'t> {
         return DeTable::new();
     }
     let (root, errors) = DeTable::parse_recoverable(text);
+    if let Some(what) = errors.first().and_then(|_| what_it_looks_like(text)) {
+        let start = text.len() - text.trim_start().len();
+        let end = start + text[start..].find('\n').unwrap_or(text.len() - start);
+        let message = format!("this is no scene: it looks like {}", what.name);
+        report.add(SpannedError::syntax(start..end, message).help(what.help.to_owned()));
+        return DeTable::new();
+    }
     for error in errors {
         let span = error.span().unwrap_or_else(|| report.end_of_file());
         report.add(SpannedError::syntax(span, format!("this is not TOML: {}", error.message())));
@@ -233,6 +242,13 @@ impl<'d> Table<'d> {
         self.entries?.get(key).map(|node| node.span())
     }
 
+    /// Returns true if a table of this one has a key.
+    pub(super) fn has_entry(&self, table: &str, key: &str) -> bool {
+        let node = self.entries.and_then(|entries| entries.get(table));
+        let inner = node.and_then(|node| node.get_ref().as_table());
+        inner.is_some_and(|inner| inner.get(key).is_some())
+    }
+
     /// Returns true if a list of tables is absent or empty.
     pub(super) fn is_empty_list(&self, key: &str) -> bool {
         let node = self.entries.and_then(|entries| entries.get(key));
@@ -294,7 +310,8 @@ impl<'d> Table<'d> {
             }
             let message = format!("unknown key `{}`", self.path_to(name));
             let all = || format!("known keys: {}", known.join(", "));
-            let help = did_you_mean(name, known.iter().copied())
+            let help = synonyms::key(&self.path, name)
+                .or_else(|| did_you_mean(name, known.iter().copied()))
                 .or_else(|| (known.len() <= MAX_LISTED_KEYS).then(all));
             self.diagnostics
                 .add(SpannedError::value(key.span(), message).label("unknown").help(help));

@@ -37,6 +37,8 @@ pub struct SceneFile {
     pub description: SceneDescription,
     /// The render settings, with overrides applied.
     pub settings: Settings,
+    /// What a user should know of how overrides were understood.
+    pub notes: Vec<String>,
     source: SceneSource,
     import_plan: ImportPlan,
     locator: ErrorLocator,
@@ -181,11 +183,11 @@ fn read_from(
     let mut report = Diagnostics::new(name, text);
     let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
     let places = ErrorLocator { diagnostics: report, overrides: options };
-    let (description, settings, survey) = {
+    let (description, settings, survey, taken) = {
         let ErrorLocator { diagnostics: report, .. } = &places;
         let mut table = document::parse(text, report);
         let integrator_of_file = document::string_at(&table, ["render", "integrator"]);
-        places.apply_overrides(&mut table);
+        let taken = places.apply_overrides(&mut table);
         let (mut description, settings) =
             read(&table, integrator_of_file.as_deref(), folder.named, report);
         folder.find_files(&mut description);
@@ -197,7 +199,7 @@ fn read_from(
         let survey = ImportPlan::scan_with(&mut description, earlier, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
-        (description, settings, survey)
+        (description, settings, survey, taken)
     };
     check_count(survey.sphere_count(&description))?;
     let source = SceneSource {
@@ -208,7 +210,10 @@ fn read_from(
         text_hash: ContentHash::of_bytes(text.as_bytes()),
         overrides: overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
     };
-    Ok(SceneFile { description, settings, source, import_plan: survey, locator: places })
+    let note =
+        |key: String| format!("`{key}` of the scene is left out: it belongs to another type");
+    let notes = taken.into_iter().map(note).collect();
+    Ok(SceneFile { description, settings, notes, source, import_plan: survey, locator: places })
 }
 
 impl SceneFile {
@@ -240,21 +245,29 @@ impl SceneFile {
     /// # Errors
     /// Reports all errors in the tables at once, or that they do not fit into memory.
     pub fn build(self) -> Result<(Scene, Settings)> {
-        let Self { description, settings, source, import_plan: survey, locator: places } = self;
+        let Self { description, settings, notes: _, source, import_plan: survey, locator: places } =
+            self;
         let text = source.text.clone();
-        let refuse = |problems: ValidationErrors| match text {
+        let refuse = |problems: ValidationErrors| match &text {
             // The document was freed; parse it again only to locate errors.
-            Some(text) => places.report(&text, problems),
+            Some(text) => places.report(text, problems),
             None => problems.into_result(),
         };
         let scene = Scene::assemble(description, survey, Some(source), refuse)?;
+        let mut problems = ValidationErrors::default();
+        scene.place_camera(&settings.image, &mut problems);
+        if !problems.0.is_empty() {
+            refuse(problems)?;
+        }
         Ok((scene, settings))
     }
 }
 
 impl ErrorLocator {
-    fn apply_overrides<'t>(&'t self, table: &mut DeTable<'t>) {
-        self.overrides.iter().for_each(|option| option.apply(table, &self.diagnostics));
+    /// Applies the overrides; returns the paths of keys that they take away.
+    fn apply_overrides<'t>(&'t self, table: &mut DeTable<'t>) -> Vec<String> {
+        let apply = |option: &'t ParsedOverride| option.apply(table, &self.diagnostics);
+        self.overrides.iter().flat_map(apply).collect()
     }
 
     fn add_errors(&self, problems: ValidationErrors, table: &DeTable<'_>) {

@@ -5,6 +5,7 @@ mod diagnostics;
 mod document;
 mod load;
 mod nesting;
+mod not_toml;
 mod overrides;
 mod read;
 

@@ -6,6 +6,7 @@
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::names::did_you_mean;
+use crate::scene::keys::of_other_types;
 use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
@@ -87,14 +88,20 @@ impl ParsedOverride {
         }
     }
 
-    /// Writes the value into the document.
-    pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Diagnostics) {
-        if let Err(wrong) = self.try_apply(root) {
+    /// Writes the value into the document. A new `type` takes away the keys of the file that only
+    /// other types have; returns their paths.
+    pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Diagnostics) -> Vec<String> {
+        self.try_apply(root, report).unwrap_or_else(|wrong| {
             report.add(wrong);
-        }
+            Vec::new()
+        })
     }
 
-    fn try_apply<'t>(&'t self, root: &mut DeTable<'t>) -> Result<(), SpannedError> {
+    fn try_apply<'t>(
+        &'t self,
+        root: &mut DeTable<'t>,
+        report: &Diagnostics,
+    ) -> Result<Vec<String>, SpannedError> {
         let path = self.path()?;
         let value = self.value()?;
         let (last, way) = path.split_last().ok_or_else(|| self.error("no key is named".into()))?;
@@ -105,12 +112,17 @@ impl ParsedOverride {
         match place {
             Container::Table(table) => {
                 table.remove(&*last.name);
+                let taken = match (&*last.name, value.get_ref().as_str()) {
+                    ("type", Some(name)) => take_other_types(table, way, name, report),
+                    _ => Vec::new(),
+                };
                 let key = toml::Spanned::new(self.key_span.clone(), last.name.clone().into());
                 table.insert(key, value);
+                return Ok(taken);
             }
             Container::List(list) => *self.entry(list, way, last)? = value,
         }
-        Ok(())
+        Ok(Vec::new())
     }
 
     fn descend<'p, 't>(
@@ -251,6 +263,27 @@ enum Container<'p, 't> {
 struct KeySegment {
     name: String,
     is_quoted: bool,
+}
+
+/// Removes the keys that the file has and that only other types of the table than `name` have.
+fn take_other_types(
+    table: &mut DeTable<'_>,
+    way: &[KeySegment],
+    name: &str,
+    report: &Diagnostics,
+) -> Vec<String> {
+    let path = dotted(way);
+    let kind = match way {
+        [only] if only.name == "camera" => "camera",
+        [first, _] if first.name == "materials" => "materials.NAME",
+        _ => return Vec::new(),
+    };
+    let mut others = of_other_types(kind, name);
+    others.retain(|key| table.get(*key).is_some_and(|node| report.is_in_file(&node.span())));
+    others.iter().for_each(|key| {
+        table.remove(*key);
+    });
+    others.into_iter().map(|key| format!("{path}.{key}")).collect()
 }
 
 fn dotted(path: &[KeySegment]) -> String {

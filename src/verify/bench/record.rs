@@ -407,6 +407,6 @@ fn generated(
         file.into_inner()?.sync_all()
     };
     write().map_err(|e: std::io::Error| Error::file("write", &table, e))?;
-    let file = read_text("generated.toml", &scene_text(&recipe, &table), folder, &[])?;
+    let file = read_text("generated.toml", &scene_text(&recipe, &table, false), folder, &[])?;
     Ok((file.description, file.settings))
 }

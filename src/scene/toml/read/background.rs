@@ -4,11 +4,11 @@ use std::path::Path;
 
 use crate::color::Rgb;
 use crate::light::Orientation;
-use crate::math::DVec3;
+use crate::math::{DVec3, normalize_robust};
 use crate::scene::description::{
-    BackgroundDescription, EnvironmentDescription, SunDescription, normalize_robust,
+    BackgroundDescription, EnvironmentDescription, LightPreset, SunDescription,
 };
-use crate::scene::keys::background as keys;
+use crate::scene::keys::{background as keys, light};
 use crate::scene::toml::document::Table;
 
 /// The sun's angular diameter at the Earth's mean distance, in degrees.
@@ -30,7 +30,25 @@ pub(super) fn read(table: &Table<'_>, folder: &Path) -> BackgroundDescription {
     require_single_environment(table);
     let constant = || EnvironmentDescription::Constant { radiance: radiance.unwrap_or(Rgb::ZERO) };
     let dome = gradient.or(image).or(sky).unwrap_or_else(constant);
-    BackgroundDescription { dome, up, sun, camera_visible, transparent }
+    let backdrop = table.get(&keys::BACKDROP);
+    if backdrop.is_some() && transparent {
+        let message = "`background.backdrop` is never seen, because `background.transparent` leaves \
+                       it out of the picture";
+        table.error_at("backdrop", message, "remove one of them".to_owned());
+    }
+    BackgroundDescription { dome, up, sun, camera_visible, transparent, backdrop }
+}
+
+/// Reads `[light]`, which takes the place of the light in `[background]`.
+pub(super) fn read_light(table: &Table<'_>, root: &Table<'_>) -> Option<(LightPreset, f64)> {
+    let preset = table.get(&light::PRESET);
+    let strength = table.get(&light::STRENGTH).unwrap_or(1.0);
+    let lights = ["radiance", "gradient", "image", "sky", "sun"];
+    if let Some(light_key) = lights.iter().find(|key| root.has_entry("background", key)) {
+        let message = format!("`light.preset` and `background.{light_key}` both light the scene");
+        table.error_at("preset", message, "remove one of them".to_owned());
+    }
+    Some((preset?, strength))
 }
 
 fn read_gradient(table: &Table<'_>) -> EnvironmentDescription {

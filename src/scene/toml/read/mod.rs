@@ -16,7 +16,7 @@ use toml::de::DeTable;
 use crate::math::Rect;
 use crate::scene::data::{Column, FileColumn, SphereData};
 use crate::scene::description::{
-    MaterialDescription, SceneDescription, SphereDescription, SphereTable,
+    MaterialDescription, SceneDescription, SphereDescription, SphereTable, name_of_table,
 };
 use crate::scene::keys;
 use crate::scene::settings::{ImageSettings, Settings};
@@ -39,18 +39,24 @@ pub(super) fn read(
     Table::root(document, report, |root| {
         read_format(root);
         let image = root.optional_section("image", read_image);
-        let background =
+        let mut background =
             root.optional_section("background", |table| background::read(table, folder));
         let materials = materials::read(root);
         let names = materials.iter().map(|(name, _)| *name);
         let index_of: BTreeMap<_, _> = names.zip(0..).collect();
         let spheres = root.sections("spheres", |table| read_sphere(table, &index_of));
-        let camera = root.section("camera", |table| camera::read(table, &spheres));
         let mut tables =
             root.sections("sphere_tables", |table| read_table(table, &index_of, folder));
         tables
             .extend(root.sections("particles", |table| particles::read(table, &index_of, folder)));
         require_spheres(root);
+        let table_names: Vec<String> =
+            (0..tables.len()).map(|index| name_of_table(&tables, index)).collect();
+        let camera = root.section("camera", |table| camera::read(table, &spheres, &table_names));
+        let light = root.section_if_present("light", |table| background::read_light(table, root));
+        if let Some((preset, strength)) = light.flatten() {
+            preset.light(&mut background, camera.to_camera(), strength);
+        }
         let render =
             root.optional_section("render", |table| render::read(table, integrator_of_file));
         let named = |(name, material): (&str, MaterialDescription)| MaterialDescription {
@@ -117,6 +123,7 @@ fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereDes
         center: center.unwrap_or_default(),
         radius: radius.unwrap_or_default(),
         material: material.unwrap_or_default(),
+        shadow_catcher: table.get(&keys::sphere::SHADOW_CATCHER).unwrap_or(false),
     }
 }
 
@@ -126,11 +133,15 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
     let columns = read_columns(table, file.is_some());
     let material = table.required(keys::table::MATERIAL.name, &MaterialName(index_of));
     let colors = table.get(&keys::table::COLORS);
+    let color_space = table.get(&keys::table::COLOR_SPACE);
     let is_color = |column: &FileColumn| column.column.is_some_and(Column::is_color);
-    if colors.is_some() && !columns.is_empty() && !columns.iter().any(is_color) {
-        let message = format!("`{}` applies only to tables with colours", table.path_to("colors"));
-        let help = "remove it, or add r, g and b to `columns`".to_owned();
-        table.error_at("colors", message, help);
+    if !columns.is_empty() && !columns.iter().any(is_color) {
+        let given = [("colors", colors.is_some()), ("color_space", color_space.is_some())];
+        for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+            let message = format!("`{}` applies only to tables with colours", table.path_to(key));
+            let help = "remove it, or add r, g and b to `columns`".to_owned();
+            table.error_at(key, message, help);
+        }
     }
     let of_count = |count: Option<i64>| count.unwrap_or_default().unsigned_abs();
     let data = SphereData::File {
@@ -140,8 +151,14 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
         skip_bytes: of_count(table.get(&keys::table::SKIP_BYTES)),
     };
     let offset = table.get(&keys::table::OFFSET).unwrap_or_default();
-    let (material, colors) = (material.unwrap_or_default(), colors.unwrap_or_default());
-    SphereTable { name, data, material, colors, offset }
+    SphereTable {
+        name,
+        data,
+        material: material.unwrap_or_default(),
+        colors: colors.unwrap_or_default(),
+        color_space: color_space.unwrap_or_default(),
+        offset,
+    }
 }
 
 /// The columns of a table; none if its file, if there is one, may name them.

@@ -40,7 +40,7 @@ pub(super) fn read(
         data: SphereData::Particles(Box::new(particles)),
         material: material.unwrap_or_default(),
         colors,
-        offset: Default::default(),
+        ..SphereTable::default()
     }
 }
 
