@@ -1,7 +1,7 @@
 //! `integrator = "paper"`: the estimator of the seed paper (Awan and Ko, "Ray tracing engine",
 //! section 1.2). k x k sub-pixels, N paths each, and emitters hit only by BSDF sampling.
 //!
-//! `docs/paper.md` documents how it is interpreted where the paper is silent or wrong.
+//! `docs/paper-checklist.md` documents how it is interpreted where the paper is silent or wrong.
 
 use crate::scene::settings::{Estimator, PaperSettings, RenderSettings};
 

@@ -1,7 +1,7 @@
 //! What the paper says of its figures, measured on our reconstruction of its scenes.
 //!
-//! P- and A-numbers are those of `docs/paper.md`. Ratios come from 32 seeds; they must differ by
-//! four standard errors (a false alarm is less likely than 1e-3 each).
+//! P- and A-numbers are those of `docs/paper-checklist.md`. Ratios come from 32 seeds; they must
+//! differ by four standard errors (a false alarm is less likely than 1e-3 each).
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
