@@ -9,12 +9,15 @@
 #       root of that Debian, by this machine's Rust, since Debian's is older than AVX-512
 #   scripts/package.sh crate
 #       the crate, and a build of what is in it
+#   scripts/package.sh dependencies
+#       whether deny.toml allows all that is compiled in: needs cargo-deny; without the database of
+#       advisories, which it downloads, it says so and checks the rest
 #   scripts/package.sh check PROGRAM
 #       whether PROGRAM needs an old glibc alone
 #   scripts/package.sh install PROGRAM PREFIX
 #       PROGRAM, its manual and completions below PREFIX
 #
-# PROFILE is a profile of Cargo.toml, by default `release`. All but the crate are built for the
+# PROFILE is a profile of Cargo.toml, by default `ship`. All but the crate are built for the
 # processor of this machine; vector instructions are chosen when the program starts. SUITE needs what
 # scripts/debian-root.sh says.
 set -euo pipefail
@@ -24,7 +27,7 @@ cd "$repository"
 
 packages=target/packages
 version=$(sed -n '0,/^version = /s/^version = "\(.*\)"/\1/p' Cargo.toml)
-newest_glibc=2.28 largest_tarball=10000000 largest_crate=5000000
+newest_glibc=2.28 largest_program=10000000 largest_crate=5000000
 
 complain() {
     echo "scripts/package.sh: $*" >&2
@@ -149,13 +152,14 @@ make_tarball() {
     cp "$program" "$packages/photosphere"
     split_symbols "$packages/photosphere" "$packages/$name.debug"
     check_portable "$packages/photosphere"
+    check_size "$packages/photosphere" "$largest_program"
     install_program "$packages/photosphere" "$folder"
     rm "$packages/photosphere"
     tar -C "$packages" --sort=name --mtime="@$(epoch)" --owner=0 --group=0 --numeric-owner -c "$name" |
         gzip -9n >"$folder.tar.gz"
     notes >"$packages/NOTES.md"
     [[ -s $packages/NOTES.md ]] || complain "CHANGELOG.md says nothing about $version"
-    check_size "$folder.tar.gz" "$largest_tarball"
+    stat -c '%n: %s bytes' "$folder.tar.gz"
 }
 
 # ---- For a Debian, with its Embree ----
@@ -170,7 +174,7 @@ make_deb() {
     name=photosphere_$version-1~${release}_$(dpkg --print-architecture).deb
     rm -rf "$stage"
     mkdir -p "$stage/DEBIAN"
-    cp "${CARGO_TARGET_DIR:-target}/release/photosphere" "$packages/photosphere"
+    cp "${CARGO_TARGET_DIR:-target}/ship/photosphere" "$packages/photosphere"
     strip "$packages/photosphere"
     readelf -d "$packages/photosphere" | grep -q 'NEEDED.*libembree' ||
         complain "the program was built without Embree"
@@ -243,6 +247,19 @@ make_crate() {
     check_size "$packages/photosphere-$version.crate" "$largest_crate"
 }
 
+# ---- What is compiled in ----
+
+check_dependencies() {
+    "$cargo" deny --version >/dev/null || complain "please run: cargo install --locked cargo-deny"
+    local deny=("$cargo" deny --locked --workspace --all-features)
+    "${deny[@]}" check licenses bans sources
+    if "${deny[@]}" fetch db; then
+        "${deny[@]}" check --disable-fetch advisories
+    else
+        echo "Advisories are NOT checked: their database cannot be downloaded." >&2
+    fi
+}
+
 mkdir -p "$packages"
 find_rust || [[ ${1:-} == deb ]] || complain "no Rust $rust_minimum or newer"
 case "${1:-} $#" in
@@ -250,6 +267,7 @@ case "${1:-} $#" in
 'deb 1') make_deb ;;
 'deb 2') make_deb_in_root "$2" ;;
 'crate 1') make_crate ;;
+'dependencies 1') check_dependencies ;;
 'check 2') check_stripped "$2" ;;
 'install 3') install_program "$2" "$3" ;;
 *)

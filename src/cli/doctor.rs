@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::accel::{
-    self, Accel, Backend, BackendChoice, BuildOptions, EmbreeInfo, SelectedBackend,
+    self, Accel, Backend, BackendChoice, BuildOptions, EmbreeInfo, KernelIsa, SelectedBackend,
 };
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
@@ -64,6 +64,7 @@ pub(super) fn run() -> Result<Exit> {
     let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
     report.row("photosphere", format!("{} ({os}, {arch})", env!("CARGO_PKG_VERSION")));
     report.machine();
+    report.vectors();
     report.embree();
     for backend in Backend::AVAILABLE {
         report.backend(*backend);
@@ -97,6 +98,14 @@ impl Report {
         if let (Some(memory), Some(free)) = (system::total_memory(), memory_limits::free()) {
             let (memory, free) = (print::bytes(memory), print::bytes(free.bytes));
             self.row("memory", format!("{memory}, {free} available"));
+        }
+    }
+
+    /// Adds the vector instructions in use, and what another compiler would add.
+    fn vectors(&mut self) {
+        self.row("vectors", KernelIsa::best().name());
+        if cfg!(target_arch = "x86_64") && !KernelIsa::Avx512.is_compiled() {
+            self.row("", "not in this build: AVX-512, which Rust 1.89 or newer compiles");
         }
     }
 

@@ -1,5 +1,7 @@
 //! `info`, `doctor`, `crosscheck` and `bench`.
 
+use photosphere::accel::KernelIsa;
+
 use crate::desk::{Desk, SCENE};
 
 #[test]
@@ -89,7 +91,11 @@ fn json_has_the_warnings_of_spheres_too() {
 
 #[test]
 fn doctor_finds_this_build_healthy() {
-    let text = Desk::new(SCENE).run("doctor").succeeds().stdout;
+    let done = Desk::new(SCENE).run("doctor").succeeds();
+    assert_eq!(done.row("vectors"), KernelIsa::best().name());
+    let text = done.stdout;
+    let lacks_avx512 = cfg!(all(target_arch = "x86_64", not(has_avx512)));
+    assert_eq!(text.contains("not in this build: AVX-512"), lacks_avx512, "{text}");
     for part in ["photosphere ", "threads ", "embree ", "--accel native ", "works\n"] {
         assert!(text.contains(part), "{text}");
     }

@@ -27,6 +27,15 @@ impl KernelIsa {
         }
     }
 
+    /// Returns true if this build contains the variant, whatever the processor.
+    pub fn is_compiled(self) -> bool {
+        match self {
+            Self::Portable => true,
+            Self::Avx2 => cfg!(target_arch = "x86_64"),
+            Self::Avx512 => cfg!(all(target_arch = "x86_64", has_avx512)),
+        }
+    }
+
     /// Returns true if this build contains the variant and this processor supports it.
     pub fn is_available(self) -> bool {
         match self {
