@@ -77,8 +77,11 @@ fn message(error: &Error) -> String {
     }
     let line = |diagnostic: &photosphere::error::Diagnostic| match &diagnostic.location {
         Some(place) if place.source.name == SCENE => {
-            let at = key_at(&place.source.text, place.span.start);
-            format!("{at}: {}", diagnostic.message)
+            let (heading, key) = key_at(&place.source.text, place.span.start);
+            match diagnostic.message.contains(key) {
+                true => diagnostic.message.clone(),
+                false => format!("{heading} {key}: {}", diagnostic.message),
+            }
         }
         Some(place) if !is_in_file(place) => {
             format!("{}: {}", place.source.text, diagnostic.message)
@@ -88,17 +91,13 @@ fn message(error: &Error) -> String {
     error.diagnostics().iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The key at a place of a scene's text, as in `[materials.gold] roughness`.
-fn key_at(text: &str, at: usize) -> String {
+/// The heading and the key at a place of a scene's text, as in `[materials.gold]`, `roughness`.
+fn key_at(text: &str, at: usize) -> (&str, &str) {
     let before = text.get(..at).unwrap_or_default();
     let begin = before.rfind('\n').map_or(0, |end| end + 1);
     let line = text[begin..].lines().next().unwrap_or_default();
-    if line.starts_with('[') {
-        return line.to_owned();
-    }
     let heading = before.lines().rev().find(|line| line.starts_with('[')).unwrap_or_default();
-    let key = line.split(" = ").next().unwrap_or_default();
-    format!("{heading} {key}").trim().to_owned()
+    (heading, line.split(" = ").next().unwrap_or_default())
 }
 
 fn is_in_file(place: &SourceLocation) -> bool {
