@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._particles import By, Cell, Particles
+from ._bonds import STYLES, bonds_within
+from ._particles import Cell, Particles
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -59,8 +60,8 @@ def from_mdanalysis(atoms: Any, **options: Unpack[LookOptions]) -> Scene:
     if options.get("style") == "ball-and-stick":
         bonds = _attribute(atoms, "bonds")
     if bonds is not None:
-        made._bonds = _bonds_within(bonds, np.asarray(atoms.indices))
-    return made.scene(**options)
+        made._bonds = bonds_within(bonds, np.asarray(atoms.indices))
+    return _look(made, options)
 
 
 def from_ovito(data: Any, **options: Unpack[LookOptions]) -> Scene:
@@ -93,7 +94,7 @@ def from_ovito(data: Any, **options: Unpack[LookOptions]) -> Scene:
                 radius = np.array([radii.get(int(one), 1.0) for one in ids])
         if color is None and by_id and "color" not in options:
             colors = {at: tuple(one.color) for at, one in by_id.items()}
-            color = np.array([colors.get(int(one), (0.5, 0.5, 0.5)) for one in ids])
+            color = np.array([colors.get(int(one), (0.5, 0.5, 0.5)) for one in ids], dtype=float)
     if radius is not None and np.all(np.asarray(radius) > 0):
         columns["radius"] = np.asarray(radius)
     if color is not None and "color" not in options:
@@ -101,20 +102,17 @@ def from_ovito(data: Any, **options: Unpack[LookOptions]) -> Scene:
     look: dict[str, Any] = dict(options)
     transparency = _get(particles, "Transparency")
     visible = None if transparency is None else np.asarray(transparency) < 1.0
-    if visible is not None and not visible.all():
-        positions = positions[visible]
-        columns = {name: values[visible] for name, values in columns.items()}
-        if not isinstance(look.get("color"), (str, type(None), By)):
-            look["color"] = look["color"][visible]
     cell = getattr(data, "cell", None)
     if cell is not None:
         matrix = np.asarray(cell[...] if hasattr(cell, "__getitem__") else cell)
         cell = Cell(matrix[:, :3].T, matrix[:, 3].tolist(), list(getattr(cell, "pbc", (True,) * 3)))
     made = _particles(positions, columns, cell, None)
     bonds = getattr(particles, "bonds", None)
-    if bonds is not None and visible is None:
+    if bonds is not None:
         made._bonds = np.asarray(bonds["Topology"])
-    return made.scene(**look)
+    if visible is not None and not visible.all():
+        made = made.where(visible)
+    return _look(made, look)
 
 
 def from_pyvista(mesh: Any, **options: Unpack[LookOptions]) -> Scene:
@@ -169,7 +167,14 @@ def from_gsd(snapshot: Any, **options: Unpack[LookOptions]) -> Scene:
 def _scene(
     positions: Any, columns: dict[str, Any], cell: Any, unit: Any, options: Any
 ) -> Scene:
-    return _particles(positions, columns, cell, unit).scene(**options)
+    return _look(_particles(positions, columns, cell, unit), options)
+
+
+def _look(particles: Particles, options: Any) -> Scene:
+    """The scene of particles, whose radii are not those of balls between sticks."""
+    if options.get("style") in STYLES:
+        options = {"radius": "auto", **options}
+    return particles.scene(**options)
 
 
 def _particles(positions: Any, columns: dict[str, Any], cell: Any, unit: Any) -> Particles:
@@ -224,14 +229,3 @@ def _edges(box: Any) -> Any:
     y = (cos_a - cos_b * cos_c) / sin_c
     z = float(np.sqrt(max(0.0, 1 - cos_b**2 - y**2)))
     return np.array([[a, 0, 0], [b * cos_c, b * sin_c, 0], [c * cos_b, c * y, c * z]])
-
-
-def _bonds_within(bonds: Any, indices: Any) -> Any:
-    """Pairs of rows, of bonds whose atoms are all here."""
-    import numpy as np
-
-    pairs = np.asarray(bonds.indices if hasattr(bonds, "indices") else bonds).reshape(-1, 2)
-    order = np.argsort(indices)
-    at = np.searchsorted(indices[order], pairs)
-    inside = (at < len(indices)) & (indices[order][np.minimum(at, len(indices) - 1)] == pairs)
-    return order[np.minimum(at, len(indices) - 1)][inside.all(axis=1)]

@@ -8,10 +8,25 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["MOST_ROWS", "colors", "is_single", "numbers", "positions", "words"]
+__all__ = [
+    "MOST_ROWS",
+    "colors",
+    "ids",
+    "is_number",
+    "is_single",
+    "mask",
+    "numbers",
+    "positions",
+    "positive",
+    "within",
+    "words",
+]
 
 #: The most spheres of a scene: ids have 32 bits.
 MOST_ROWS = 4_294_967_293
+
+#: Coordinates and radii have at most this size.
+_MOST = 1e15
 
 #: Types whose numbers f32 holds exactly, apart from f32 itself.
 _SINGLE = ("float16", "float32", "int8", "int16", "uint8", "uint16")
@@ -53,6 +68,82 @@ def positions(given: Any, name: str = "positions", columns: int = 3) -> np.ndarr
     return array
 
 
+def is_number(given: Any) -> bool:
+    """True for one number, of Python or NumPy."""
+    if getattr(given, "ndim", None) == 0:
+        return bool(given.dtype.kind in "fiub")
+    return isinstance(given, (int, float))
+
+
+def positive(given: Any, name: str) -> float:
+    """One positive number.
+
+    Raises:
+        ValueError: It is not positive, or too large.
+    """
+    number = float(given)
+    if not 0 < number <= _MOST:
+        raise ValueError(f"{name}: expected a positive number of at most {_MOST:g}, not {given}")
+    return number
+
+
+def mask(given: Any, name: str, count: int) -> np.ndarray:
+    """Which rows to keep.
+
+    Raises:
+        ValueError: They are no booleans, or not as many as rows.
+    """
+    import numpy as np
+
+    array = np.asarray(given)
+    if array.dtype.kind != "b" or array.shape != (count,):
+        got = f"{array.dtype} {array.shape}" if array.ndim else repr(given)
+        raise ValueError(
+            f'{name}: expected a text such as "z > 0", or a mask of {count} booleans, not {got}'
+        )
+    return array
+
+
+def ids(given: Any, name: str, count: int) -> np.ndarray:
+    """An id of 32 bits for each row; the last one stands for no sphere.
+
+    Raises:
+        ValueError: They are no whole numbers, not as many as rows, or out of range.
+    """
+    import numpy as np
+
+    array = numbers(given, name, count)
+    most = 2**32 - 2
+    with np.errstate(invalid="ignore"):
+        good = (array >= 0) & (array <= most)
+        if array.dtype.kind == "f":
+            good &= array == np.floor(array)
+    if not good.all():
+        row = int(np.argmin(good))
+        raise ValueError(
+            f"{name}: row {row} is {array[row]}: expected a whole number from 0 to {most}"
+        )
+    return array.astype(np.uint32)
+
+
+def within(rows: np.ndarray, name: str, most: float) -> np.ndarray:
+    """Rows of numbers from 0 to a limit.
+
+    Raises:
+        ValueError: Some are not; with the row.
+    """
+    import numpy as np
+
+    # A comparison with NaN is false.
+    inside = ((rows >= 0) & (rows <= most)).all(axis=1)
+    if not inside.all():
+        row = int(np.argmin(inside))
+        raise ValueError(
+            f"{name}: row {row} is {rows[row].tolist()}: expected numbers from 0 to {most:g}"
+        )
+    return rows
+
+
 def colors(given: Any, name: str) -> np.ndarray:
     """Rows of red, green and blue: fractions from 0 to 1, or whole numbers from 0 to 255.
 
@@ -87,12 +178,14 @@ def numbers(given: Any, name: str, count: int, *, positive: bool = False) -> np.
     if array.shape != (count,):
         raise ValueError(f"{name}: expected an array of the shape ({count},), not {array.shape}")
     if positive:
-        good = array > 0
-        if array.dtype.kind == "f":
-            good &= np.isfinite(array)
+        # A comparison with NaN is false.
+        good = (array > 0) & (array <= _MOST)
         if not good.all():
             row = int(np.argmin(good))
-            raise ValueError(f"{name}: row {row} is {array[row]}: expected a positive number")
+            most = "" if array[row] <= _MOST or np.isnan(array[row]) else f" of at most {_MOST:g}"
+            raise ValueError(
+                f"{name}: row {row} is {array[row]}: expected a positive number{most}"
+            )
     return array
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 __all__ = ["Error"]
 
@@ -38,6 +39,23 @@ class Error(Exception):
 
     def __str__(self) -> str:
         return f"{self.message}\n  help: {self.help}" if self.help else self.message
+
+    def _renamed(self, names: Mapping[str, str]) -> Error:
+        """The error with other names for files."""
+
+        def renamed(text: str | None) -> str | None:
+            for old, new in names.items():
+                text = text and text.replace(f"`{old}`", new).replace(old, new)
+            return text
+
+        return Error(
+            renamed(self.message) or "",
+            help=renamed(self.help),
+            file=self.file,
+            line=self.line,
+            column=self.column,
+            category=self.category,
+        )
 
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (self.message, self.help, self.file, self.line, self.column, self.category)

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Union
 
+from . import _core
+
 __all__ = [
     "Background",
     "Camera",
@@ -36,7 +38,8 @@ __all__ = [
     "ThinLens",
 ]
 
-Color = Union[float, Sequence[float]]
+#: A grey, red, green and blue, or a name such as "white" or "#102030".
+Color = Union[float, Sequence[float], str]
 Vector = Sequence[float]
 
 
@@ -52,14 +55,31 @@ class _Table:
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             one = getattr(self, field.name)
             if one is not None:
-                table[field.name] = _color(one) if field.name in self._colors else _plain(one)
+                is_color = field.name in self._colors
+                table[field.name] = _color(one, field.name) if is_color else _plain(one)
         return table
 
 
-def _color(given: Any) -> list[float]:
-    if isinstance(given, (int, float)):
-        return [float(given)] * 3
-    return [float(one) for one in given]
+def _color(given: Any, name: str) -> list[float]:
+    """Three numbers of one, three, or the name of a colour.
+
+    Raises:
+        ValueError: It is none of these; names the key.
+    """
+    numbers: list[float] | None = None
+    if isinstance(given, str):
+        numbers = _core.color(given)
+    elif isinstance(given, (int, float)):
+        numbers = [float(given)] * 3
+    else:
+        try:
+            numbers = [float(one) for one in given]
+        except (TypeError, ValueError):
+            numbers = None
+    if numbers is None or len(numbers) != 3:
+        expected = 'a number, three numbers, or a colour such as "white" or "#102030"'
+        raise ValueError(f"{name}: expected {expected}, not {given!r}")
+    return numbers
 
 
 def _plain(given: Any) -> Any:
@@ -70,7 +90,14 @@ def _plain(given: Any) -> Any:
 
 @dataclass(frozen=True)
 class Diffuse(_Table):
-    """A matte surface. `roughness` 0 is Lambertian, 1 looks as flat as chalk."""
+    """A matte surface.
+
+    Args:
+        albedo: The fraction of light that is scattered, 0 to 1 [default: 0.5].
+        roughness: 0 is Lambertian, 1 looks as flat as chalk [default: 0].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     albedo: Color = 0.5
     roughness: float | None = None
@@ -81,7 +108,13 @@ class Diffuse(_Table):
 
 @dataclass(frozen=True)
 class Mirror(_Table):
-    """A perfect mirror."""
+    """A perfect mirror.
+
+    Args:
+        reflectance: The fraction of light that is reflected, 0 to 1 [default: 0.9].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     reflectance: Color = 0.9
     emission: Color | None = None
@@ -91,7 +124,17 @@ class Mirror(_Table):
 
 @dataclass(frozen=True)
 class Conductor(_Table):
-    """A metal, by name ("gold") or by its complex index of refraction."""
+    """A metal, by name or by its complex index of refraction.
+
+    Args:
+        metal: "gold", "silver", "copper", "aluminium", "iron", "chromium", "nickel", "titanium",
+            "platinum", "tungsten" or "brass"; or else `ior` and `extinction`.
+        ior: n, the real part, relative to vacuum, 0 to 100 [default: that of the metal].
+        extinction: k, the imaginary part, 0 to 100 [default: that of the metal].
+        roughness: 0 is polished, 0.3 brushed, 1 the most matte [default: 0].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     metal: str | None = None
     ior: Color | None = None
@@ -104,7 +147,20 @@ class Conductor(_Table):
 
 @dataclass(frozen=True)
 class Dielectric(_Table):
-    """Glass, a crystal or a liquid, by index of refraction or by name ("bk7")."""
+    """Glass, a crystal or a liquid. `Glass` is a shorter name.
+
+    Args:
+        ior: The index of refraction relative to vacuum, 0.1 to 10: water 1.33, glass 1.5, diamond
+            2.42; or else `glass`.
+        glass: A name: "water", "ice", "bk7", "f2", "sf11", "acrylic", "sapphire", "diamond", ...
+        roughness: 0 is polished, 0.2 etched, 0.5 frosted, up to 1 [default: 0].
+        priority: Where such spheres overlap, the one with the higher number fills the common part
+            [default: 0].
+        absorption: The coefficient a per unit of length, from 0: exp(-a d) of the light is left
+            after a distance d [default: 0].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     ior: float | None = None
     glass: str | None = None
@@ -118,7 +174,15 @@ class Dielectric(_Table):
 
 @dataclass(frozen=True)
 class Plastic(_Table):
-    """A diffuse base under a clear coat."""
+    """A diffuse base under a clear coat: plastics, lacquered wood, glazed clay.
+
+    Args:
+        albedo: Of the base, 0 to 1 [default: 0.5].
+        ior: The index of refraction of the coat, 1 to 10 [default: 1.5].
+        roughness: Of the coat: 0 is varnished, 0.5 satin, up to 1 [default: 0].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     albedo: Color = 0.5
     ior: float | None = None
@@ -130,7 +194,21 @@ class Plastic(_Table):
 
 @dataclass(frozen=True)
 class Principled(_Table):
-    """The material with many knobs that modelling programs share."""
+    """The material with many knobs that modelling programs share. All are from 0 to 1.
+
+    Args:
+        base_color: Of the diffuse part, of metal at normal incidence, and of transmitted light
+            [default: 0.5].
+        metallic: The fraction that is metal [default: 0].
+        roughness: Of metal, gloss and glass alike; 0 is polished [default: 0.5].
+        specular: The strength of the gloss; 0.5 is as `ior` says [default: 0.5].
+        ior: The index of refraction of gloss and glass, 1 to 10 [default: 1.5].
+        coat: The strength of a clear coat [default: 0].
+        coat_roughness: The roughness of the coat [default: 0].
+        transmission: The fraction of the rest that is glass [default: 0].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets [default: 1].
+    """
 
     base_color: Color = 0.5
     metallic: float | None = None
@@ -147,7 +225,16 @@ class Principled(_Table):
 
 @dataclass(frozen=True)
 class Phong(_Table):
-    """Phong's model, for comparison with old pictures."""
+    """Phong's model, for comparison with old pictures.
+
+    Args:
+        albedo: The diffuse albedo, 0 to 1 [default: 0.5].
+        specular: The specular albedo, 0 to 1 [default: 0.3].
+        exponent: Larger ones give narrower highlights, 0 to 100000 [default: 50].
+        normalized: False is Phong's original form, which may create energy [default: True].
+        emission: Radiance in W/(sr m^2), from 0 [default: 0].
+        opacity: The fraction of light that the surface meets, 0 to 1 [default: 1].
+    """
 
     albedo: Color = 0.5
     specular: Color = 0.3
@@ -159,14 +246,25 @@ class Phong(_Table):
 
 
 def Glass(glass: str | float = 1.5, **keys: Any) -> Dielectric:
-    """Glass by name ("bk7", "water", "diamond") or by index of refraction."""
+    """Glass by name ("bk7", "water", "diamond") or by index of refraction.
+
+    Args:
+        glass: The name or the index, 0.1 to 10.
+        keys: Those of `Dielectric`, such as roughness=0.2 or absorption=(0.1, 0.2, 0.3).
+    """
     if isinstance(glass, str):
         return Dielectric(glass=glass, **keys)
     return Dielectric(ior=float(glass), **keys)
 
 
 def Metal(metal: str = "silver", roughness: float | None = None, **keys: Any) -> Conductor:
-    """A metal by name: "gold", "silver", "copper", "aluminium", "iron", ..."""
+    """A metal by name.
+
+    Args:
+        metal: "gold", "silver", "copper", "aluminium", "iron", ...
+        roughness: 0 is polished, 0.3 brushed, 1 the most matte [default: 0].
+        keys: Those of `Conductor`.
+    """
     return Conductor(metal=metal, roughness=roughness, **keys)
 
 
@@ -180,7 +278,21 @@ Material = Union[Diffuse, Mirror, Conductor, Dielectric, Plastic, Principled, Ph
 
 @dataclass(frozen=True)
 class Camera(_Table):
-    """A pinhole, or a thin lens if `aperture_radius` is given."""
+    """A pinhole, or a thin lens if `aperture_radius` is given. Lengths are in units of the scene.
+
+    Args:
+        position: The centre of the lens.
+        look_at: The point in the middle of the picture.
+        up: The direction that points up in the picture [default: y; in scenes of particles z, or
+            what their option `up` says].
+        near: Rays ignore what is nearer than this along the view axis [default: 0].
+        vertical_fov_degrees: The vertical field of view, above 0, below 180 [default: 36].
+        aperture_radius: 0 is a pinhole, which keeps everything in focus [default: 0].
+        focus_distance: From the lens to the plane in focus [default: that of `look_at`].
+        focus_on: Instead of it, the name of a sphere.
+        blades: Corners of the aperture, 3 to 64; 0 is a disk [default: 0].
+        rotation_degrees: Turns a polygonal aperture, -360 to 360 [default: 0].
+    """
 
     position: Vector
     look_at: Vector
@@ -197,13 +309,29 @@ class Camera(_Table):
 def ThinLens(
     position: Vector, look_at: Vector, *, aperture_radius: float, **keys: Any
 ) -> Camera:
-    """A camera with depth of field."""
+    """A camera with depth of field: `Camera` with an aperture.
+
+    Args:
+        position: The centre of the lens.
+        look_at: The point in the middle of the picture, which is in focus unless `focus_distance` or
+            `focus_on` says otherwise.
+        aperture_radius: In units of the scene.
+        keys: Those of `Camera`.
+    """
     return Camera(position, look_at, aperture_radius=aperture_radius, **keys)
 
 
 @dataclass(frozen=True)
 class Orthographic(_Table):
-    """Parallel rays; `height` is that of the visible area."""
+    """A camera of parallel rays. Lengths are in units of the scene.
+
+    Args:
+        position: The middle of the plane from which the rays start.
+        look_at: The point in the middle of the picture.
+        height: The height of the visible area.
+        up: The direction that points up in the picture [default: as for `Camera`].
+        near: Rays ignore what is nearer than this [default: 0].
+    """
 
     position: Vector
     look_at: Vector
@@ -215,7 +343,16 @@ class Orthographic(_Table):
 
 @dataclass(frozen=True)
 class Panoramic(_Table):
-    """Columns are longitudes, rows are latitudes."""
+    """A camera that sees all around: columns are longitudes, rows are latitudes.
+
+    Args:
+        position: The point from which the rays start.
+        look_at: A point in the middle of the picture.
+        up: The direction that points up in the picture [default: as for `Camera`].
+        near: Rays ignore what is nearer than this [default: 0].
+        horizontal_extent_degrees: Above 0, at most 360 [default: 360].
+        vertical_extent_degrees: Above 0, at most 180 [default: 180].
+    """
 
     position: Vector
     look_at: Vector
@@ -231,7 +368,13 @@ AnyCamera = Union[Camera, Orthographic, Panoramic]
 
 @dataclass(frozen=True)
 class Gradient(_Table):
-    """Radiance from the zenith through the horizon to the nadir."""
+    """A background that is linear in the sine of the elevation. Radiance in W/(sr m^2), from 0.
+
+    Args:
+        zenith: From straight above [default: 1].
+        horizon: From the horizon [default: 1].
+        nadir: From straight below [default: `horizon`].
+    """
 
     zenith: Color = 1.0
     horizon: Color = 1.0
@@ -241,7 +384,13 @@ class Gradient(_Table):
 
 @dataclass(frozen=True)
 class EnvironmentMap(_Table):
-    """An .exr or .hdr picture in latitude and longitude."""
+    """A picture of all directions, in latitude and longitude.
+
+    Args:
+        file: An .exr or .hdr picture, twice as wide as high, in linear Rec. 709.
+        rotation_degrees: Turns it about `up`, counterclockwise from above, -360 to 360 [default: 0].
+        scale: Multiplies its radiance, 0 to 1e6 [default: 1].
+    """
 
     file: str
     rotation_degrees: float | None = None
@@ -250,17 +399,36 @@ class EnvironmentMap(_Table):
 
 @dataclass(frozen=True)
 class Sky(_Table):
-    """A clear sky, for the sun beside it."""
+    """A clear sky (Preetham, Shirley and Smits 1999), for the sun beside it.
+
+    `[Sky(), Sun(...)]` is a sky with its sun. Without one, the sun stands 45 degrees high, as bright
+    as on a clear day.
+
+    Args:
+        turbidity: 2 is very clear air, 3 clear, 6 warm and moist, 10 hazy [default: 3].
+        ground_albedo: Of the ground below the horizon, 0 to 1 [default: 0.2].
+        scale: Multiplies the radiance, which is 20 to 50 W/(sr m^2) for 1: 0.01 suits a screen. The
+            sun of a clear day has the irradiance 500 times this [default: 0.01].
+    """
 
     turbidity: float | None = None
     ground_albedo: Color | None = None
-    scale: float | None = None
+    scale: float | None = 0.01
     _colors = ("ground_albedo",)
 
 
 @dataclass(frozen=True)
 class Sun(_Table):
-    """A sun: where it stands, how large it looks, and the W/m^2 on a surface that faces it."""
+    """A sun. Its direction is given, or by two angles.
+
+    Args:
+        direction: Towards the sun, of any length [default: by the angles].
+        irradiance: W/m^2 on a surface that faces it, from 0: 500 on a clear day, 1 to 5 suits a
+            screen [default: 2].
+        elevation_degrees: Above the horizon, -90 to 90 [default: 0].
+        azimuth_degrees: From -z to the right (+x) where y is up, -360 to 360 [default: 0].
+        angular_diameter_degrees: How large it looks, 0.001 to 180 [default: 0.533].
+    """
 
     direction: Vector | None = None
     irradiance: Color = 2.0
@@ -272,7 +440,19 @@ class Sun(_Table):
 
 @dataclass(frozen=True)
 class Background(_Table):
-    """What a ray sees when it hits nothing. At most one of radiance, gradient, image and sky."""
+    """What a ray sees when it hits nothing: at most one of radiance, gradient, image and sky.
+
+    Args:
+        radiance: From all directions, in W/(sr m^2), from 0 [default: 0].
+        gradient: From the zenith to the nadir.
+        image: A picture of all directions.
+        sky: A clear sky; needs a sun.
+        sun: A sun, which may stand beside each of the others.
+        up: The direction of the zenith [default: y; in scenes of particles, what is up there].
+        camera_visible: Whether the camera sees it; it lights the scene either way [default: True,
+            unless transparent].
+        transparent: Adds an alpha channel, 0 where the camera sees nothing [default: False].
+    """
 
     radiance: Color | None = None
     gradient: Gradient | None = None
@@ -292,16 +472,21 @@ class Background(_Table):
 
 AnyBackground = Union[Background, Gradient, EnvironmentMap, Sky, Sun, Color]
 
+#: What the sun sends on a clear day, in W/m^2 in every channel.
+_CLEAR_SUN = 500.0
+
 _PLACES = {Gradient: "gradient", EnvironmentMap: "image", Sky: "sky", Sun: "sun"}
 
 
 def background_table(given: AnyBackground | Sequence[AnyBackground]) -> dict[str, Any]:
     """The table of a background: one object, several such as a sky and a sun, or a radiance."""
-    if isinstance(given, Background):
-        return given.toml()
+    if hasattr(given, "tolist"):
+        given = given.tolist()
+    if given == "none":
+        return {"transparent": True}
     parts: list[Any] = [given] if not isinstance(given, (list, tuple)) else list(given)
-    if all(isinstance(part, (int, float)) for part in parts):
-        return {"radiance": _color(given)}
+    if isinstance(given, str) or all(isinstance(part, (int, float)) for part in parts):
+        return {"radiance": _color(given, "background")}
     table: dict[str, Any] = {}
     for part in parts:
         if isinstance(part, Background):
@@ -309,13 +494,43 @@ def background_table(given: AnyBackground | Sequence[AnyBackground]) -> dict[str
         elif type(part) in _PLACES:
             table[_PLACES[type(part)]] = part.toml()
         else:
-            raise TypeError(f"background: expected a background, not {part!r}")
+            expected = "a radiance, a colour, or objects such as Sky() and Sun()"
+            raise TypeError(f"background: expected {expected}, not {part!r}")
+    if "sky" in table and "sun" not in table:
+        table["sun"] = _sun_of_sky(table["sky"])
+    return table
+
+
+def _sun_of_sky(sky: dict[str, Any]) -> dict[str, Any]:
+    """The sun of a sky that is given without: as bright as on a clear day."""
+    irradiance = [_CLEAR_SUN * float(sky.get("scale", 1.0))] * 3
+    return {"elevation_degrees": 45.0, "azimuth_degrees": 135.0, "irradiance": irradiance}
+
+
+def camera_table(given: AnyCamera, up: list[int] | None = None) -> dict[str, Any]:
+    """The table of a camera. If it says not what is up, `up` is, or another axis where the camera
+    looks along that one."""
+    if not isinstance(given, (Camera, Orthographic, Panoramic)):
+        expected = "Camera, ThinLens, Orthographic or Panoramic"
+        raise TypeError(f"camera: expected {expected}, not {given!r}")
+    table = given.toml()
+    if up is not None and "up" not in table:
+        along = [b - a for a, b in zip(table["position"], table["look_at"])]
+        sideways = [one for one, axis in zip(along, up) if axis == 0]
+        table["up"] = up if any(sideways) else [up[2], up[0], up[1]]
     return table
 
 
 @dataclass(frozen=True)
 class Sphere(_Table):
-    """A sphere of its own, of a material or the name of one."""
+    """A sphere of its own.
+
+    Args:
+        center: Three numbers within 1e15.
+        radius: From 1e-15 to 1e15.
+        material: A material, or the name of one [default: `Diffuse()`].
+        name: For messages, Cryptomatte and `Pick`.
+    """
 
     center: Vector
     radius: float
@@ -328,12 +543,13 @@ class Spheres:
     """Many spheres of one material, from arrays.
 
     Args:
-        center: (n, 3), any type of numbers.
-        radius: One number, or (n,).
-        material: A material or the name of one.
-        color: (n, 3), linear, 0 to 1: replaces the colour of the material.
-        emission: (n, 3), radiance in W/(sr m^2).
-        ids: (n,) unsigned integers for the layer `sphere_id`, instead of rows.
+        center: (n, 3), any type of numbers, within 1e15.
+        radius: One number, or (n,), positive.
+        material: A material or the name of one [default: `Diffuse()`].
+        color: (n, 3), linear Rec. 709, 0 to 1: replaces the colour of the material.
+        emission: (n, 3), radiance in W/(sr m^2), from 0.
+        ids: (n,) whole numbers from 0 to 4294967294 for the layer `sphere_id`, instead of rows of
+            the scene.
         name: For Cryptomatte and messages.
     """
 

@@ -24,6 +24,34 @@ NOT_HERE = {"format", "json", "tev"}
 #: Names for times, whose numbers are seconds.
 _TIMES = {"time", "checkpoint_every", "preview_every"}
 
+#: How many numbers the options have that take several, and an example of each.
+_SEVERAL = {
+    "size": (2, "(640, 480)"),
+    "samples": (2, "(0, 64), from the first up to but without the last"),
+    "crop": (4, "(x0, y0, x1, y1)"),
+    "replicate": (3, "(2, 2, 1)"),
+    "range": (2, '(0, 80) or ("p1", "p99")'),
+    "view": (2, "(-55, 25), azimuth and elevation in degrees"),
+}
+
+#: What the values of options are, by how the command line calls them.
+_EXPECTED = {
+    "N": "a whole number",
+    "D": "a whole number",
+    "S": "a whole number",
+    "T": "a whole number",
+    "X": "a number",
+    "L": "a number",
+    "PT": "a number",
+    "EV": "a number of stops",
+    "TIME": "a number of seconds, or a time such as \"5m\"",
+    "NAME": "a name",
+    "TEXT": "a text",
+    "FILE": "a path",
+    "EXPR": "a condition such as \"z > 0\"",
+    "WHAT": "a text, a number or an array",
+}
+
 #: Names of materials that the scene format has and the options call otherwise.
 _MATERIALS = {"diffuse": "lambert"}
 
@@ -127,8 +155,12 @@ def known() -> dict[str, tuple[str | None, str, str | None, list[str]]]:
     }
 
 
-def split(options: Mapping[str, Any]) -> tuple[list[str], list[tuple[str, str]]]:
+def split(
+    options: Mapping[str, Any], of_particles: bool = False
+) -> tuple[list[str], list[tuple[str, str]]]:
     """Options as words of a command line, and as keys of the scene with values in TOML.
+
+    In scenes of particles z points up, or what `up` says, for cameras and backgrounds, too.
 
     Raises:
         TypeError: An option is not known, or its value has the wrong type.
@@ -139,19 +171,35 @@ def split(options: Mapping[str, Any]) -> tuple[list[str], list[tuple[str, str]]]
         if given is None or name in ("output", "preview"):
             continue
         if name == "camera":
-            changes.append(("camera", _toml.value(given)))
-        elif name == "background" and not isinstance(given, str):
+            from ._objects import camera_table
+
+            up = _up(options) if of_particles else None
+            changes.append(("camera", _toml.value(camera_table(given, up))))
+        elif name == "background" and not (of_particles and isinstance(given, str)):
             from ._objects import background_table
 
             table = background_table(given)
-            changes.append(("background", _toml.value({"up": [0, 0, 1], **table})))
+            if of_particles:
+                table = {"up": _up(options), **table}
+            changes.append(("background", _toml.value(table)))
         elif name == "material" and not isinstance(given, str):
+            if not hasattr(given, "toml"):
+                raise TypeError(f"material: expected a material or its name, not {given!r}")
             changes.append(("materials.particles", _toml.value(given)))
         elif name == "set":
+            if not isinstance(given, Mapping):
+                raise TypeError(f"set: expected keys with their values, not {given!r}")
             words += [f"--set={key}={_toml.value(one)}" for key, one in given.items()]
         else:
             words += _word(name, given)
     return words, changes
+
+
+def _up(options: Mapping[str, Any]) -> list[int]:
+    """The direction that points up in a scene of particles."""
+    given = str(options.get("up") or "z").lower()
+    sign, axis = (-1 if given.startswith("-") else 1), given.lstrip("+-")
+    return [sign * (axis == one) for one in "xyz"] if axis in ("x", "y", "z") else [0, 0, 1]
 
 
 def check_names(options: Mapping[str, Any], also: Sequence[str] = ()) -> None:
@@ -194,7 +242,12 @@ def _text(name: str, given: Any) -> str:
         return repr(float(given)) + ("s" if name in _TIMES else "")
     if hasattr(given, "tolist"):
         return _text(name, given.tolist())
+    if name in _SEVERAL:
+        count, example = _SEVERAL[name]
+        if not isinstance(given, (list, tuple)) or len(given) != count:
+            raise TypeError(f"{name}: expected {count} values such as {example}, not {given!r}")
     if isinstance(given, Sequence):
         between = {"size": "x", "samples": ".."}.get(name, ",")
         return between.join(_text(name, one) for one in given)
-    raise TypeError(f"{name}: {given!r} is no value of an option")
+    expected = known()[name][0]
+    raise TypeError(f"{name}: expected {_EXPECTED.get(str(expected), expected)}, not {given!r}")

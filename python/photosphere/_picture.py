@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import _core
-from ._options import split
+from . import _arrays, _core
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,6 +30,36 @@ class _Look:
     font_size: float | None = None
     overlay: bool = True
     run_figures: bool | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("exposure", "font_size"):
+            given = getattr(self, name)
+            if given is not None and not _arrays.is_number(given):
+                raise TypeError(f"{name}: expected a number, not {given!r}")
+        if self.font_size is not None and not self.font_size > 0:
+            raise ValueError(f"font_size: expected a positive number, not {self.font_size!r}")
+        if self.tone is not None and not isinstance(self.tone, str):
+            raise TypeError(f"tone: expected a name, not {self.tone!r}")
+        for name in ("dither", "overlay"):
+            given = getattr(self, name)
+            if given is not None and not isinstance(given, bool):
+                raise TypeError(f"{name}: expected True or False, not {given!r}")
+        object.__setattr__(self, "dpi", _whole_dpi(self.dpi))
+
+
+#: The most pixels per inch of a file.
+_MOST_DPI = 100_000
+
+
+def _whole_dpi(given: Any) -> int | None:
+    """Pixels per inch: a whole number, which may be a float."""
+    if given is None:
+        return None
+    is_whole = _arrays.is_number(given) and not isinstance(given, bool) and given == given // 1
+    if not is_whole or not 0 < given <= _MOST_DPI:
+        expected = f"a whole number of pixels per inch from 1 to {_MOST_DPI}"
+        raise ValueError(f"dpi: expected {expected}, not {given!r}")
+    return int(given)
 
 
 class Picture:
@@ -64,17 +93,20 @@ class Picture:
         return self._core.names()
 
     def __getitem__(self, layer: str) -> np.ndarray:
-        """A layer: (height, width) or (height, width, channels); ids are uint32, NONE where there is
-        nothing; `variance` is that of the mean; `depth` is inf where there is nothing.
+        """A layer: (height, width) or (height, width, channels), float32.
+
+        `sphere_id` and `material_id` are uint32, and NONE where there is nothing. So is `row`: the
+        row of your arrays or of the file that a pixel shows. `variance` is that of the mean, `depth`
+        is inf where there is nothing, and columns are nan there.
 
         Raises:
             KeyError: The picture has no such layer: render with layers=[...].
         """
-        try:
-            return self._core.layer(layer)
-        except KeyError:
+        if layer not in self.layers:
             known = ", ".join(self.layers)
-            raise KeyError(f"{layer}: the picture has the layers {known}") from None
+            hint = "others by layers=[...] where it is rendered"
+            raise KeyError(f"{layer}: the picture has the layers {known}; {hint}")
+        return self._core.layer(layer)
 
     def __contains__(self, layer: object) -> bool:
         return layer in self.layers
@@ -87,6 +119,8 @@ class Picture:
 
         array = self._core.layer("beauty")
         if dtype is not None and np.dtype(dtype) != array.dtype:
+            if copy is False:
+                raise ValueError(f"copy: {np.dtype(dtype)} takes a copy of float32")
             return array.astype(dtype)
         return array.copy() if copy else array
 
@@ -163,8 +197,15 @@ class Picture:
     def pick(self, x: int, y: int) -> Pick | None:
         """The sphere in the middle of a pixel, column x and row y; None for the background.
 
+        For all pixels at once, render with layers=["row"].
+
+        Args:
+            x: The column, from 0 on the left.
+            y: The row, from 0 on top.
+
         Raises:
-            ValueError: The picture was merged, so that its scene is not here.
+            ValueError: There is no such pixel; or the picture was merged, so that its scene is not
+                here.
         """
         if self._scene is None:
             raise ValueError("the picture has no scene: ask it, scene.pick(x, y, ...)")
@@ -194,7 +235,9 @@ class Pick:
     """A sphere that a pixel shows.
 
     Attributes:
-        row: The row of the arrays or of the file, from 0; None if it is none of them.
+        row: The row of your arrays or of the file, from 0, whatever conditions leave out; of a bead
+            of a bond, that of the nearer atom. None for the ground and edges of a cell. In scenes
+            of objects, the row of the `Spheres`, or the number of the `Sphere`.
         values: The values of that row, by column.
         position: The centre of the sphere.
         radius: Its radius.
@@ -211,30 +254,33 @@ class Pick:
 
     @classmethod
     def _of(cls, scene: Scene, options: dict[str, Any], x: int, y: int) -> Pick | None:
-        choices = split({k: v for k, v in options.items() if k not in ("checkpoint", "samples")})
-        found = scene._core.pick(*choices, [x, y])
+        kept = {name: one for name, one in options.items() if name not in _NOT_OF_PICKS}
+        pixel = [_pixel(x, "x", "column"), _pixel(y, "y", "row")]
+        found = scene._core.pick(*scene._split(kept), pixel)
         if found is None:
             return None
         facts = json.loads(found)
-        row, values = facts["table_row"], {}
-        particles = scene._particles
-        if particles is not None and row is not None:
-            about = scene._describe()
-            row = _row_of(scene, choices, row, about)
-            values = {} if row is None else particles._values_of(row)
-        elif row is None and particles is None:
-            row = facts["row"]
+        row: int | None = facts["row"]
+        values: dict[str, Any] = {}
+        if facts["is_of_particles"] or scene._particles is not None:
+            row = facts["particle"]
+        elif facts["table_row"] is not None:
+            row = facts["table_row"]
+        if scene._particles is not None and row is not None:
+            row, values = scene._particles._row_and_values(row)
         center = tuple(facts["center"])
         return cls(row, values, center, facts["radius"], facts["depth"], facts["name"])
 
 
-def _row_of(scene: Scene, choices: Any, row: int, about: dict[str, Any]) -> int | None:
-    """The row of the arrays that a sphere shows, without periodic copies and edges of the cell."""
-    if row >= about["particles"]:
-        return None
-    row %= about["particles"] // about["copies"]
-    visible = scene._core.visible(*choices)
-    return row if visible is None else visible[row]
+#: Options of renders that do not matter for what a pixel shows.
+_NOT_OF_PICKS = ("checkpoint", "samples", "layers")
+
+
+def _pixel(given: Any, name: str, what: str) -> int:
+    """The number of a column or a row."""
+    if not hasattr(given, "__index__") or not 0 <= given < 2**32:
+        raise ValueError(f"{name}: expected a {what} of the picture, from 0, not {given!r}")
+    return int(given)
 
 
 class Legend:

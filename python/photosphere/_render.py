@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._options import split
+from ._errors import Error
 from ._picture import Picture
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Render:
 
     @classmethod
     def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
-        words, changes = split(options)
+        words, changes = scene._split(options)
         _check_output(options.get("output"))
         checkpoint = options.get("checkpoint")
         if checkpoint is not None:
@@ -329,17 +329,28 @@ def merge(
     import tempfile
 
     names = layers.split(",") if isinstance(layers, str) else layers
+    if isinstance(parts, (Part, str, os.PathLike)):
+        raise TypeError(f"parts: expected several, not {parts!r}")
+    if crop is not None and len(crop) != 4:
+        raise ValueError(f"crop: expected (x0, y0, x1, y1), not {crop!r}")
     with tempfile.TemporaryDirectory() as folder:
-        paths = []
+        paths, named = [], {}
         for at, part in enumerate(parts):
-            is_part = isinstance(part, Part)
-            path = Path(folder) / f"{at}.part" if is_part else Path(part)  # type: ignore[arg-type]
             if isinstance(part, Part):
+                path = Path(folder) / f"{at}.part"
                 part.save(path)
+                named[os.fspath(path)] = f"parts[{at}]"
+            elif isinstance(part, (str, os.PathLike)):
+                path = Path(part)
+            else:
+                raise TypeError(f"parts: expected parts or their files, not {part!r}")
             paths.append(os.fspath(path))
         wanted = None if names is None else list(names)
         box = None if crop is None else list(crop)
-        core, missed = _core.merge(paths, wanted, box, allow_gaps)
+        try:
+            core, missed = _core.merge(paths, wanted, box, allow_gaps)
+        except Error as error:
+            raise error._renamed(named) from None
     for text in missed:
         warnings.warn(text, stacklevel=2)
     return Picture(core, None, {})
@@ -377,12 +388,13 @@ def resume(
 
 
 def _columns(scene: Scene | None) -> list[tuple[str, Any]] | None:
-    """The columns of numbers of arrays, which may be layers."""
+    """The columns of numbers of arrays, and their rows, which may be layers."""
     particles = None if scene is None or scene._path is not None else scene._particles
     if particles is None:
         return None
     named = particles._columns.items()
-    return [(name, array) for name, array in named if array.dtype.kind in "fiub"]
+    numbers = [(name, array) for name, array in named if array.dtype.kind in "fiub"]
+    return [*numbers, ("row", particles._all_rows())]
 
 
 def _seconds(given: Any) -> float:

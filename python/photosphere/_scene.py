@@ -34,7 +34,8 @@ class Scene:
     Args:
         spheres: Spheres of their own and tables of many.
         camera: A camera.
-        background: One or several backgrounds, or a radiance.
+        background: One or several backgrounds such as `Sky()` and `Sun(...)`, a radiance, or a
+            colour such as "white"; "none" is transparent [default: black].
         materials: Materials by name, for spheres that name theirs.
         image: The table `image` of a scene file, such as {"width": 800, "height": 600}.
         render: The table `render`, such as {"samples_per_pixel": 256}.
@@ -66,12 +67,12 @@ class Scene:
         render: Mapping[str, Any] | None = None,
         folder: str | os.PathLike[str] = "",
     ) -> None:
-        from ._objects import Sphere, Spheres, background_table
+        from ._objects import Sphere, Spheres, background_table, camera_table
 
         document: dict[str, Any] = {"format": 1}
         if image:
             document["image"] = dict(image)
-        document["camera"] = camera.toml() if camera else _Camera
+        document["camera"] = _Camera if camera is None else camera_table(camera)
         if background is not None:
             document["background"] = background_table(background)
         named = {name: one.toml() for name, one in (materials or {}).items()}
@@ -130,11 +131,13 @@ class Scene:
             return cls._of_file(particles._file.path, options)._with_particles(particles)
         own = object.__new__(type(particles))
         own.__dict__.update(particles.__dict__, _columns=dict(particles._columns))
+        if not len(own):
+            raise ValueError("where: no particle fulfils the condition")
         options = own._absorb(options)
         self = cls.__new__(cls)
         self._clear()
         self._options = options
-        words, changes = split(options)
+        words, changes = split(options, of_particles=True)
         self._core = _core.Scene.particles(
             own._core_columns(), "arrays.npz", words, changes
         )
@@ -148,8 +151,12 @@ class Scene:
 
     def _describe(self) -> dict[str, Any]:
         if self._facts is None:
-            self._facts = json.loads(self._core.describe(*split(self._options)))
+            self._facts = json.loads(self._core.describe(*self._split(self._options)))
         return self._facts
+
+    def _split(self, options: Mapping[str, Any]) -> tuple[list[str], list[tuple[str, str]]]:
+        """Options as words and changed keys."""
+        return split(options, of_particles=self._particles is not None)
 
     @property
     def n(self) -> int:
@@ -164,7 +171,7 @@ class Scene:
         text = self._describe()["text"]
         if text is None:
             text = Path(self._path or "").read_text(encoding="utf-8")
-        _, changes = split(self._options)
+        _, changes = self._split(self._options)
         given = dict(self._options.get("set") or {})
         if not changes and not given:
             return str(text)
@@ -188,7 +195,7 @@ class Scene:
     @property
     def content_hash(self) -> str:
         """The identity of the scene: equal ones render to equal pictures."""
-        return self._core.content_hash(*split(self._options))
+        return self._core.content_hash(*self._split(self._options))
 
     def __repr__(self) -> str:
         what = f" {self._path!r}" if self._path else ""
@@ -224,6 +231,9 @@ class Scene:
         """Renders some samples of every pixel, from the first up to but without the last, both
         multiples of 16. `merge` adds parts, exactly."""
         given = _given(options)
+        if not isinstance(samples, (list, tuple)) or len(samples) != 2:
+            expected = "the first and the end, such as (0, 256)"
+            raise TypeError(f"samples: expected {expected}, not {samples!r}")
         if not {"spp", "noise", "time"} & set(given):
             given["spp"] = samples[1]
         return self.start(samples=samples, **given).wait().part
@@ -318,28 +328,44 @@ class Scene:
         import subprocess
         import sys
 
-        words, changes = split({**self._options, **_given(options)})
+        check_names(options)
+        words, changes = self._split({**self._options, **_given(options)})
         words += [f"--set={key}={value}" for key, value in changes]
         command = [sys.executable, "-m", "photosphere", "plan", self._path, f"--shards={shards}"]
         command += [f"--format={format}", f"--output={os.fspath(output)}", *words]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise Error(done.stderr.strip().removeprefix("error: "))
+            raise _plan_error(done.stderr)
         return Plan(done.stdout)
 
     def pick(self, x: int, y: int, **options: Unpack[Options]) -> Pick | None:
-        """The sphere in the middle of a pixel; None for the background."""
+        """The sphere in the middle of a pixel; None for the background.
+
+        Args:
+            x: The column, from 0 on the left.
+            y: The row, from 0 on top.
+            options: Those of the picture, such as `size`.
+
+        Raises:
+            ValueError: The picture has no such pixel.
+        """
         from ._picture import Pick
 
-        return Pick._of(self, {**self._options, **_given(options)}, x, y)
+        return Pick._of(self, self._merged(None, None, options), x, y)
 
     # What follows is for renders.
 
     def _merged(self, width: Any, height: Any, options: Mapping[str, Any]) -> dict[str, Any]:
         check_names(options)
+        self._check_look(options)
         merged = {**self._options, **_given(options)}
         if self._particles is not None and self._path is not None:
             merged = self._particles._absorb(merged)
+        for name, pixels in (("width", width), ("height", height)):
+            if isinstance(pixels, (list, tuple)):
+                raise TypeError(f"{name}: expected a number of pixels, not {pixels!r}; say size=...")
+            if pixels is not None and not hasattr(pixels, "__index__"):
+                raise TypeError(f"{name}: expected a number of pixels, not {pixels!r}")
         if width is not None or height is not None:
             if "size" in merged:
                 raise TypeError("size: give it, or width and height")
@@ -348,6 +374,19 @@ class Scene:
                 width, height = width or facts["width"], height or facts["height"]
             merged["size"] = (width, height)
         return merged
+
+    def _check_look(self, options: Mapping[str, Any]) -> None:
+        """Refuses arrays and objects for the look of particles that are in a scene already."""
+        if self._particles is not None and self._path is not None:
+            return
+        for name in ("color", "radius"):
+            given = options.get(name)
+            if given is not None and not isinstance(given, (str, int, float)):
+                where = "ps.spheres(...), Particles.scene(...) or scene.replace(...)"
+                raise Error(
+                    f"{name}: it is part of a scene of particles, and no option of a render",
+                    help=f"give it where the scene is made: {where}",
+                )
 
     def __getstate__(self) -> dict[str, Any]:
         state = dict(self.__dict__)
@@ -398,6 +437,15 @@ def scene(path: str | os.PathLike[str], keys: Mapping[str, Any] | None = None) -
     return made
 
 
+def _plan_error(text: str) -> Error:
+    """The error of the command `plan`, without what belongs to a terminal."""
+    lines = text.strip().removeprefix("error: ").split("\n")
+    advice = ("help: ", "tip: ", "[possible values: ")
+    rest = [line.strip() for line in lines[1:]]
+    helps = [line.split(": ", 1)[1].rstrip("]") for line in rest if line.startswith(advice)]
+    return Error(lines[0], help=", or ".join(helps) or None, category="usage")
+
+
 def _read(text: str) -> dict[str, Any]:
     import tomllib
 
@@ -444,9 +492,8 @@ def _checked(table: Spheres) -> Spheres:
     center = _arrays.positions(table.center, "center")
     count = len(center)
     radius = table.radius
-    if isinstance(radius, (int, float)):
-        if not radius > 0:
-            raise ValueError(f"radius: expected a positive number, not {radius}")
+    if _arrays.is_number(radius):
+        radius = _arrays.positive(radius, "radius")
     else:
         radius = _arrays.numbers(radius, "radius", count, positive=True).copy()
     colors: dict[str, Any] = {}
@@ -456,15 +503,16 @@ def _checked(table: Spheres) -> Spheres:
             rows = _arrays.positions(given, name)
             if len(rows) != count:
                 raise ValueError(f"{name}: expected {count} rows, not {len(rows)}")
-            colors[name] = rows.astype(np.float32)
+            most = 1.0 if name == "color" else 1e15
+            colors[name] = _arrays.within(rows, name, most).astype(np.float32)
     ids = table.ids
     if ids is not None:
-        ids = _arrays.numbers(ids, "ids", count).astype(np.uint32)
+        ids = _arrays.ids(ids, "ids", count)
     return dataclasses.replace(table, center=center.copy(), radius=radius, ids=ids, **colors)
 
 
 def _is_single(table: Spheres) -> bool:
-    both = [table.center] + ([] if isinstance(table.radius, (int, float)) else [table.radius])
+    both = [table.center] + ([] if _arrays.is_number(table.radius) else [table.radius])
     return all(_arrays.is_single(array) for array in both)
 
 

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2};
 use photosphere::Error;
-use photosphere::math::DVec3;
+use photosphere::appearance::{self, Appearance, AppearanceError};
+use photosphere::math::{DVec3, MAX_COORDINATE};
 use photosphere::particles::{
     Categories, Cell, Column, ColumnData, Format, LengthUnit, Particles, Positions, ReadRequest,
     Wanted, count_frames, read, survey as survey_file,
@@ -76,7 +77,8 @@ impl Columns {
         }))))
     }
 
-    /// Reads one frame of a file, with these columns or all.
+    /// Reads one frame of a file, with these columns or all. `names` are those of the columns of a
+    /// file that names none.
     #[staticmethod]
     fn read(
         py: Python<'_>,
@@ -84,9 +86,10 @@ impl Columns {
         format: Option<&str>,
         frame: i64,
         columns: Option<Vec<String>>,
+        names: Vec<String>,
         topology: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let request = request(py, format, frame, columns, topology)?;
+        let request = ReadRequest { names, ..request(py, format, frame, columns, topology)? };
         let particles = pool::run_interruptible(py, move || read(&path, &request))?;
         Ok(Self(Mutex::new(Some(particles))))
     }
@@ -113,6 +116,11 @@ impl Columns {
         }
     }
 
+    /// The symbol of the unit of length, if it is known.
+    fn unit(&self) -> Option<&'static str> {
+        self.with(|particles| particles.unit.map(LengthUnit::symbol)).flatten()
+    }
+
     /// A column: numbers, or codes with their words.
     fn column<'py>(
         &self,
@@ -135,6 +143,28 @@ impl Columns {
         })
     }
 
+    /// Rows of the particles that fulfil a condition once they have moved as `moves` says: unwrap,
+    /// center, wrap.
+    fn selected<'py>(
+        &self,
+        py: Python<'py>,
+        condition: String,
+        moves: [bool; 3],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let [unwrap, center, wrap] = moves;
+        let options =
+            Appearance { select: Some(condition), unwrap, center, wrap, ..Appearance::default() };
+        let rows = self.ask(py, |particles| appearance::selected_rows(particles, &options))?;
+        Ok(rows.into_pyarray(py).into_any())
+    }
+
+    /// The radius that an expression has for each particle.
+    fn radii<'py>(&self, py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+        let numbers =
+            self.ask(py, |particles| appearance::numbers_of(particles, "radius", text))?;
+        Ok(numbers.into_pyarray(py).into_any())
+    }
+
     /// The simulation cell.
     fn cell(&self) -> Option<CellNumbers> {
         self.with(|particles| particles.cell).flatten().map(|cell| {
@@ -149,13 +179,33 @@ impl Columns {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take().ok_or_else(taken)
     }
 
+    /// Asks something of the particles, without the GIL.
+    fn ask<T: Send>(
+        &self,
+        py: Python<'_>,
+        question: impl FnOnce(&Particles) -> std::result::Result<T, AppearanceError> + Send,
+    ) -> PyResult<T> {
+        pool::run(py, || {
+            let answer = self.with(question).ok_or_else(|| Error::input(TAKEN))?;
+            answer.map_err(|AppearanceError { key, message, help, .. }| {
+                let error = Error::input(format!("{key}: {message}"));
+                match help {
+                    Some(help) => error.with_help(help),
+                    None => error,
+                }
+            })
+        })
+    }
+
     fn with<T>(&self, what: impl FnOnce(&Particles) -> T) -> Option<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(what)
     }
 }
 
+const TAKEN: &str = "these columns belong to a scene already";
+
 fn taken() -> PyErr {
-    PyValueError::new_err("these columns belong to a scene already")
+    PyValueError::new_err(TAKEN)
 }
 
 fn table<'py, T: Element>(py: Python<'py>, rows: Vec<[T; 3]>) -> PyResult<Bound<'py, PyAny>> {
@@ -166,15 +216,20 @@ fn table<'py, T: Element>(py: Python<'py>, rows: Vec<[T; 3]>) -> PyResult<Bound<
     Ok(table.into_any())
 }
 
-/// Refuses rows that are not finite, and names the first one.
+/// Refuses coordinates that are not finite or beyond those of a scene, and names the first row.
 pub(crate) fn finite<T: Into<f64> + Copy, const N: usize>(
     rows: Vec<[T; N]>,
     name: &str,
 ) -> PyResult<Vec<[T; N]>> {
-    let is_finite = |row: &[T; N]| row.iter().all(|number| (*number).into().is_finite());
-    let Some(bad) = rows.iter().position(|row| !is_finite(row)) else { return Ok(rows) };
+    // A comparison with NaN is false.
+    let is_good = |number: &T| (*number).into().abs() <= MAX_COORDINATE;
+    let Some(bad) = rows.iter().position(|row| !row.iter().all(is_good)) else { return Ok(rows) };
     let numbers: Vec<f64> = rows[bad].iter().map(|number| (*number).into()).collect();
-    Err(PyValueError::new_err(format!("{name}: row {bad} is {numbers:?}: expected finite numbers")))
+    let expected = match numbers.iter().all(|number| number.is_finite()) {
+        true => format!("expected numbers within ±{MAX_COORDINATE:e}"),
+        false => "expected finite numbers".to_owned(),
+    };
+    Err(PyValueError::new_err(format!("{name}: row {bad} is {numbers:?}: {expected}")))
 }
 
 /// What is in a particle file, as JSON; `count` also counts its frames, which may read all of it.
@@ -184,10 +239,11 @@ pub(crate) fn survey(
     path: PathBuf,
     format: Option<&str>,
     frame: i64,
+    names: Vec<String>,
     topology: Option<PathBuf>,
     count: bool,
 ) -> PyResult<String> {
-    let request = request(py, format, frame, None, topology)?;
+    let request = ReadRequest { names, ..request(py, format, frame, None, topology)? };
     pool::run_interruptible(py, move || {
         let mut survey = survey_file(&path, &request)?;
         if count && survey.frames.is_none() {

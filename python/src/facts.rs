@@ -1,6 +1,6 @@
 //! Facts that Python asks for: options, keys, colour maps, elements, ticks.
 
-use photosphere::appearance::{ColorMap, Element, Ticks};
+use photosphere::appearance::{ColorMap, Element, Ticks, named_color};
 use photosphere::cli::keywords as options;
 use photosphere::color::srgb8_from_linear;
 use photosphere::scene::keys;
@@ -39,6 +39,12 @@ pub(crate) fn colormap(name: &str) -> PyResult<Vec<[u8; 3]>> {
     })?;
     let color = |step: u8| map.linear(f64::from(step) / 255.0).to_array().map(srgb8_from_linear);
     Ok((0..=255).map(color).collect())
+}
+
+/// The linear colour of a name such as "white", or of "#102030"; `None` for other texts.
+#[pyfunction]
+pub(crate) fn color(text: &str) -> Option<[f32; 3]> {
+    named_color(text).map(|color| color.to_array())
 }
 
 /// Covalent and van der Waals radius of an element in angstrom, and its colour in 8-bit sRGB.

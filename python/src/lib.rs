@@ -17,13 +17,14 @@ mod thread;
 
 use std::ffi::OsString;
 
+use photosphere::cli::Packaging;
 use pyo3::prelude::*;
 
 /// Runs the command line, whose first word is the name of the program, and ends the process with
 /// its exit code.
 #[pyfunction]
 fn main(py: Python<'_>, words: Vec<OsString>) {
-    py.detach(|| photosphere::cli::main_with(words));
+    py.detach(|| photosphere::cli::main_with(words, Packaging::PythonPackage));
 }
 
 /// The extension module.
@@ -36,6 +37,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Spheres>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(columns::survey, module)?)?;
+    module.add_function(wrap_pyfunction!(facts::color, module)?)?;
     module.add_function(wrap_pyfunction!(facts::colormap, module)?)?;
     module.add_function(wrap_pyfunction!(facts::element, module)?)?;
     module.add_function(wrap_pyfunction!(facts::keywords, module)?)?;

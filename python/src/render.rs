@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use photosphere::Error;
 use photosphere::cli::keywords::{KeywordRender, SceneInput};
 use photosphere::job::{Checkpoint, Job, Session, StopCriteria, StopReason, frame_crop};
+use photosphere::scene::{LayerValues, ROW_LAYER};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -15,7 +16,7 @@ use serde_json::json;
 use crate::picture::Picture;
 use crate::pool::SIGNAL_INTERVAL;
 use crate::scene::{Changes, Scene, overrides, parse};
-use crate::thread::{Loaded, Numbers, Shared, Start, spawn, start_thread};
+use crate::thread::{Layers, Loaded, Shared, Start, spawn, start_thread};
 use crate::{arrays, error, pool};
 
 /// A render, from the reading of its scene to its last sample.
@@ -31,7 +32,7 @@ impl Render {
         scene: Py<Scene>,
         words: Vec<String>,
         changes: Changes,
-        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
+        columns: Option<Columns<'_>>,
     ) -> PyResult<Self> {
         let request = parse(py, &words)?;
         let columns = wanted_columns(&request, columns)?;
@@ -65,7 +66,7 @@ impl Render {
         scene: Option<&Scene>,
         extend_to: Option<u32>,
         threads: usize,
-        columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
+        columns: Option<Columns<'_>>,
     ) -> PyResult<Self> {
         let checkpoint = match (&path, bytes) {
             (Some(path), _) => Checkpoint::open(path),
@@ -315,17 +316,29 @@ fn until_good(
     }
 }
 
+/// Columns of particles in memory: names and arrays; the rows that the particles stand for, or
+/// `None` for their own, are the layer `row`.
+type Columns<'py> = Vec<(String, Option<Bound<'py, PyAny>>)>;
+
 /// Copies the columns that are wanted as layers.
 fn wanted_columns(
     request: &KeywordRender,
-    columns: Option<Vec<(String, Bound<'_, PyAny>)>>,
-) -> PyResult<Option<Numbers>> {
+    columns: Option<Columns<'_>>,
+) -> PyResult<Option<Layers>> {
     let wanted = &request.output().columns;
-    let copied = |columns: Vec<(String, Bound<'_, PyAny>)>| {
+    let copied = |columns: Columns<'_>| {
         let wanted = columns.into_iter().filter(|(name, _)| wanted.contains(name));
-        wanted.map(|(name, array)| Ok((name, arrays::values(&array)?))).collect()
+        wanted.map(|(name, array)| layer(name, array.as_ref())).collect()
     };
     columns.map(copied).transpose()
+}
+
+fn layer(name: String, array: Option<&Bound<'_, PyAny>>) -> PyResult<(String, LayerValues)> {
+    let values = match array {
+        Some(array) if name != ROW_LAYER => LayerValues::Numbers(arrays::values(array)?),
+        rows => LayerValues::Rows(rows.map(arrays::values).transpose()?),
+    };
+    Ok((name, values))
 }
 
 fn extend_job(job: &mut Job, samples: u32) {

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use photosphere::cli::keywords::{KeywordRender, OpenedScene, SceneInput};
 use photosphere::job::{Pick, pick_in_scene};
 use photosphere::scene::data::StridedArray;
-use photosphere::scene::{Override, PreparedScene, SphereArrays, TableInput};
+use photosphere::scene::{FileRows, Override, PreparedScene, SphereArrays, TableInput};
 use photosphere::studio::Style;
 use photosphere::{Error, Result, accel};
 use pyo3::prelude::*;
@@ -29,7 +29,14 @@ pub(crate) struct Scene {
     /// The options that decided how the particles look, if they are in memory.
     look: Option<(Style, Vec<(String, String)>)>,
     /// The scene of the last pick, with its choices.
-    picked: Mutex<Option<(Choices, PreparedScene)>>,
+    picked: Mutex<Option<(Choices, Pickable)>>,
+}
+
+/// A scene in which spheres are picked.
+struct Pickable {
+    prepared: PreparedScene,
+    /// Which rows of its particles each table shows.
+    rows: Vec<Option<FileRows>>,
 }
 
 /// Spheres in memory, for a sphere table.
@@ -161,20 +168,6 @@ impl Scene {
         })
     }
 
-    /// Rows of the visible particles in their arrays, if some are left out.
-    fn visible(
-        slf: Py<Self>,
-        py: Python<'_>,
-        words: Vec<String>,
-        changes: Changes,
-    ) -> PyResult<Option<Vec<u32>>> {
-        let request = parse(py, &words)?;
-        pool::run_interruptible(py, move || {
-            let opened = slf.get().open(&request, &overrides(&changes))?;
-            Ok(opened.file.particles().next().and_then(|loaded| loaded.look.rows.clone()))
-        })
-    }
-
     /// The sphere in the middle of a pixel, as JSON; `None` for the background.
     fn pick(
         slf: Py<Self>,
@@ -188,17 +181,18 @@ impl Scene {
         pool::run_interruptible(py, move || {
             let this = slf.get();
             let kept = this.last_picked().take().filter(|(choices, _)| *choices == given);
-            let prepared = match kept {
-                Some((_, prepared)) => prepared,
+            let scene = match kept {
+                Some((_, scene)) => scene,
                 None => {
                     let opened = this.open(&request, &overrides(&given.1))?;
+                    let rows = opened.file.file_rows();
                     let (scene, settings) = opened.file.build()?;
-                    PreparedScene::new(&scene, settings)?
+                    Pickable { prepared: PreparedScene::new(&scene, settings)?, rows }
                 }
             };
-            let found = pick(&prepared, pixel);
-            *this.last_picked() = Some((given, prepared));
-            Ok(found?.map(|found| as_json(&found).to_string()))
+            let found = scene.pick(pixel);
+            *this.last_picked() = Some((given, scene));
+            Ok(found?.map(|found| found.to_string()))
         })
     }
 }
@@ -226,7 +220,7 @@ impl Scene {
         request.open(self.input.clone(), changes)
     }
 
-    fn last_picked(&self) -> MutexGuard<'_, Option<(Choices, PreparedScene)>> {
+    fn last_picked(&self) -> MutexGuard<'_, Option<(Choices, Pickable)>> {
         self.picked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -253,24 +247,37 @@ pub(crate) fn overrides(changes: &Changes) -> Vec<Override> {
     changes.iter().map(|(key, value)| Override::new(key, value)).collect()
 }
 
-fn pick(prepared: &PreparedScene, pixel: [u32; 2]) -> Result<Option<Pick>> {
-    let image = &prepared.settings().image;
-    if pixel[0] >= image.width || pixel[1] >= image.height {
-        let [x, y] = pixel;
-        let (width, height) = (image.width, image.height);
-        return Err(Error::input(format!("the picture has no pixel {x}, {y}"))
-            .with_help(format!("it has {width} columns and {height} rows, counted from 0")));
+impl Pickable {
+    /// The sphere in the middle of a pixel, with its rows.
+    fn pick(&self, pixel: [u32; 2]) -> Result<Option<serde_json::Value>> {
+        let image = &self.prepared.settings().image;
+        if pixel[0] >= image.width || pixel[1] >= image.height {
+            let [x, y] = pixel;
+            let (width, height) = (image.width, image.height);
+            return Err(Error::input(format!("the picture has no pixel {x}, {y}"))
+                .with_help(format!("it has {width} columns and {height} rows, counted from 0")));
+        }
+        let scene = self.prepared.scene();
+        let accel =
+            accel::Backend::BruteForce.build(scene.spheres(), &accel::BuildOptions::default())?;
+        let found = pick_in_scene(&self.prepared, accel.as_ref(), pixel);
+        Ok(found.map(|found| as_json(&found, scene.table_and_row(found.row), &self.rows)))
     }
-    let spheres = prepared.scene().spheres();
-    let accel = accel::Backend::BruteForce.build(spheres, &accel::BuildOptions::default())?;
-    Ok(pick_in_scene(prepared, accel.as_ref(), pixel))
 }
 
-fn as_json(found: &Pick) -> serde_json::Value {
+/// A sphere, with its row in its table, and that of the particle that it shows.
+fn as_json(
+    found: &Pick,
+    place: Option<(usize, u32)>,
+    rows: &[Option<FileRows>],
+) -> serde_json::Value {
+    let particles = place.and_then(|(table, row)| Some((rows.get(table)?.as_ref()?, row)));
     json!({
         "name": found.name,
         "row": found.row,
-        "table_row": found.table.as_ref().map(|(_, row)| row),
+        "table_row": place.map(|(_, row)| row),
+        "is_of_particles": particles.is_some(),
+        "particle": particles.and_then(|(rows, row)| rows.row_in_file(row)),
         "center": found.center.to_array(),
         "radius": found.radius,
         "depth": found.distance,

@@ -10,7 +10,7 @@ use photosphere::image_io::AtomicFile;
 use photosphere::job::scene_warnings;
 use photosphere::job::{Checkpoint, Job, OutputSpec, RunOutcome, Session, SessionOptions};
 use photosphere::overlay::OverlaySpec;
-use photosphere::scene::{ColumnLayers, Override, SceneFile};
+use photosphere::scene::{ColumnLayers, LayerValues, Override, SceneFile};
 use photosphere::task::CancelToken;
 use photosphere::{Error, Result};
 use pyo3::exceptions::PyRuntimeError;
@@ -63,11 +63,11 @@ pub(crate) struct Start {
     /// Where the samples are saved.
     pub(crate) save_to: Option<PathBuf>,
     /// The columns that are layers, of particles in memory.
-    pub(crate) columns: Option<Numbers>,
+    pub(crate) columns: Option<Layers>,
 }
 
-/// Columns with their numbers.
-pub(crate) type Numbers = Vec<(String, Vec<f32>)>;
+/// Columns with their values.
+pub(crate) type Layers = Vec<(String, LayerValues)>;
 
 /// Starts the thread of a render.
 pub(crate) fn spawn(py: Python<'_>, start: Start) -> PyResult<Arc<Shared>> {
@@ -177,16 +177,16 @@ impl Shared {
 fn column_layers(
     file: &SceneFile,
     wanted: &[String],
-    in_memory: Option<Numbers>,
+    in_memory: Option<Layers>,
 ) -> Result<Option<Arc<ColumnLayers>>> {
-    let Some(numbers) = in_memory.filter(|_| !wanted.is_empty()) else {
+    let Some(layers) = in_memory.filter(|_| !wanted.is_empty()) else {
         let from_file = || ColumnLayers::of_scene_file(file, wanted).map(|all| Some(Arc::new(all)));
         return if wanted.is_empty() { Ok(None) } else { from_file() };
     };
-    let is_missing = |name: &&String| numbers.iter().all(|(known, _)| known != *name);
+    let is_missing = |name: &&String| layers.iter().all(|(known, _)| known != *name);
     if let Some(name) = wanted.iter().find(is_missing) {
         return Err(Error::input(format!("there is no layer `{name}`"))
             .with_help("a layer is an AOV, or a column of numbers of the particles"));
     }
-    Ok(Some(Arc::new(ColumnLayers::of_numbers(file, numbers)?)))
+    Ok(Some(Arc::new(ColumnLayers::of_values(file, layers)?)))
 }

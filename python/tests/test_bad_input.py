@@ -42,7 +42,7 @@ def with_nan() -> np.ndarray:
         (lambda: ps.spheres(GOOD, color=GOOD * np.nan), "color: .* in row 0"),
         (lambda: ps.spheres(GOOD, color=np.full((3, 3), 256)), "color: .* from 0 to 255"),
         (lambda: ps.spheres(np.ma.masked_less(GOOD, 1.0)), "positions: has masked values"),
-        (lambda: ps.spheres(GOOD, color=ps.by([1, 2])), r"value: .*\(3,\), not \(2,\)"),
+        (lambda: ps.spheres(GOOD, color=ps.by([1, 2])), r"color: .*\(3,\), not \(2,\)"),
         (lambda: ps.Particles(GOOD, x=[1, 2, 3]), "x: the coordinates"),
         (lambda: ps.Particles(GOOD, nan="keep"), 'nan: expected "drop"'),
         (lambda: ps.Particles(GOOD, cell=np.eye(2)), "cell: expected three edges"),

@@ -23,6 +23,7 @@ def test_a_notebook(path: Path) -> None:
     book = nbformat.read(path, as_version=4)
     nbformat.validate(book)
     assert all(not cell.get("outputs") for cell in book.cells), "kept without outputs"
+    assert book.cells[0].source.startswith("# "), "a title"
     tags = [cell.metadata.get("tags", []) for cell in book.cells]
     book.cells.insert(tags.index(["parameters"]) + 1, nbformat.v4.new_code_cell(SMALL))
     resources = {"metadata": {"path": path.parent}}

@@ -96,6 +96,49 @@ def test_every_background(background: Any) -> None:
     assert np.asarray(lit.render(32, 24, spp=4, quiet=True)).mean() > 0
 
 
+def test_backgrounds_by_name() -> None:
+    spheres = [ps.Sphere((0, 1, 0), 1, ps.Diffuse("gold"))]
+    white = ps.Scene(spheres, camera=CAMERA, background="white")
+    assert white.content_hash == ps.Scene(spheres, camera=CAMERA, background=1.0).content_hash
+    assert white.replace(background="white").content_hash == white.content_hash
+    assert white.replace(background=0.5).toml.count("up") == 0, "z is up for particles alone"
+    clear = ps.Scene(spheres, camera=CAMERA, background="none")
+    assert "alpha" in clear.render(32, 24, spp=1, quiet=True).layers
+
+
+def test_a_sky_has_a_sun_and_suits_a_screen() -> None:
+    spheres = [ps.Sphere((0, 1, 0), 1), ps.Sphere((0, -100, 0), 100)]
+    for background in (ps.Sky(), [ps.Sky(turbidity=5)], [ps.Sky(), ps.Sun(elevation_degrees=30)]):
+        scene = ps.Scene(spheres, camera=CAMERA, background=background)
+        assert 0.1 < np.median(np.asarray(scene.render(32, 24, spp=16, quiet=True))) < 1
+    assert np.asarray(ps.spheres(np.eye(3), background=ps.Sky()).render(32, 24, spp=4)).mean() > 0
+
+
+@pytest.mark.parametrize("up, axis", [(None, 2), ("z", 2), ("y", 1), ("-x", 0)])
+def test_what_is_up_for_cameras_of_particles(up: str | None, axis: int) -> None:
+    xyz = np.zeros((2, 3))
+    xyz[1, axis] = -3 if up == "-x" else 3
+    position = np.full(3, 0.0)
+    position[axis], position[(axis + 1) % 3] = xyz[1, axis] / 2, 12
+    camera = ps.Camera(position, xyz.mean(axis=0))
+    options: dict[str, Any] = {"style": "flat", "up": up, "size": (48, 64), "spp": 1}
+    made = [
+        ps.spheres(xyz, radius=1.0, camera=camera, **{k: options[k] for k in ("style", "up")}),
+        ps.spheres(xyz, radius=1.0, style="flat", up=up).replace(camera=camera),
+    ]
+    for scene in made:
+        picture = scene.render(48, 64, spp=1, layers=["row"], quiet=True)
+        rows = [set(half[half != ps.NONE]) for half in np.split(picture["row"], 2)]
+        assert rows == [{1}, {0}], "the second one is above the first"
+    own = ps.spheres(xyz, radius=1.0, camera=ps.Camera((0, 12, 1), (0, 0, 1), up=(1, 0, 0)))
+    assert "[1, 0, 0]" in own.toml
+
+
+def test_a_camera_that_looks_along_the_axis_that_is_up() -> None:
+    scene = ps.spheres(np.eye(3), radius=0.3, camera=ps.Camera((0, 0, 9), (0, 0, 0)))
+    assert np.isfinite(scene.render(32, 24, spp=1, layers=["depth"], quiet=True)["depth"]).any()
+
+
 def test_every_camera() -> None:
     cameras = [
         ps.ThinLens((0, 1, 6), (0, 1, 0), aperture_radius=0.2, blades=5),

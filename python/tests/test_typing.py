@@ -22,7 +22,7 @@ def run(*words: str, folder: Path = PACKAGE) -> str:
 def test_stubs_agree_with_the_package(tmp_path: Path) -> None:
     # Private functions with a cache, whose parameters mypy does not see.
     allowed = tmp_path / "allowed"
-    allowed.write_text("photosphere._options.known\nphotosphere._particles._read\n")
+    allowed.write_text("photosphere._options.known\nphotosphere._file._read\n")
     words = ["mypy.stubtest", "photosphere", "--ignore-disjoint-bases", "--allowlist", str(allowed)]
     # The installed package: that of the sources has no extension module.
     assert run(*words, folder=PACKAGE / "tests") == ""

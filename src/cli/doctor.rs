@@ -13,6 +13,7 @@ use crate::math::{DVec3, Hit};
 use crate::task::memory_limits;
 
 use super::exit::Exit;
+use super::packaging::Packaging;
 use super::{print, system};
 
 /// Printed if the build lacks Embree.
@@ -23,6 +24,12 @@ const HOW_TO_GET_EMBREE: [&str; 6] = [
     "  elsewhere:       the package of Embree 3 or 4, or set EMBREE_DIR to its folder",
     "  then:            touch build.rs && cargo build --release",
     "the .deb packages for Debian 12 and 13 have it",
+];
+
+/// Printed in its place inside the Python package.
+const EMBREE_AND_PYTHON: [&str; 2] = [
+    "the Python package traces rays by `native`, which is faster and needs nothing",
+    "to compare the two, use the .deb packages for Debian 12 and 13, or build the program",
 ];
 
 /// A program that photosphere works with and does without.
@@ -59,18 +66,20 @@ const COMPANIONS: [Companion; 3] = [
 ///
 /// # Errors
 /// If the findings cannot be printed.
-pub(super) fn run() -> Result<Exit> {
+pub(super) fn run(packaging: Packaging) -> Result<Exit> {
     let mut report = Report { text: String::new(), healthy: true };
     let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
     report.row("photosphere", format!("{} ({os}, {arch})", env!("CARGO_PKG_VERSION")));
     report.machine();
     report.vectors();
-    report.embree();
+    report.embree(packaging);
     for backend in Backend::AVAILABLE {
         report.backend(*backend);
     }
     report.choice();
-    COMPANIONS.iter().for_each(|companion| report.companion(companion));
+    let is_python = packaging == Packaging::PythonPackage;
+    let companions = COMPANIONS.iter().filter(|one| !(is_python && one.name == "python"));
+    companions.for_each(|companion| report.companion(companion));
     print::result(&report.text)?;
     Ok(if report.healthy { Exit::Done } else { Exit::Backend })
 }
@@ -109,8 +118,12 @@ impl Report {
         }
     }
 
-    fn embree(&mut self) {
+    fn embree(&mut self, packaging: Packaging) {
         match accel::embree_info() {
+            None if packaging == Packaging::PythonPackage => {
+                self.row("embree", "not in this package");
+                EMBREE_AND_PYTHON.into_iter().for_each(|line| self.row("", line));
+            }
             None => {
                 self.row("embree", "not in this build");
                 HOW_TO_GET_EMBREE.into_iter().for_each(|line| self.row("", line));

@@ -22,6 +22,7 @@ mod manual;
 mod memory;
 mod merge;
 mod outputs;
+mod packaging;
 mod particle_file;
 mod particle_info;
 mod pick;
@@ -54,24 +55,26 @@ use crate::scene::keys;
 use args::{Cli, Command};
 use exit::Exit;
 
+pub use packaging::Packaging;
+
 /// Runs the command given by the program's arguments and prints its outcome.
 ///
 /// The command runs in its own thread. This function returns when the command ends or a signal ends
 /// it. The program then exits, whatever its other threads do.
 pub fn main() -> ExitCode {
-    main_with(std::env::args_os().collect())
+    main_with(std::env::args_os().collect(), Packaging::Program)
 }
 
 /// Runs the command given by these words, the first of which is the name of the program, as
 /// [`main`] does: another front end that contains this program calls it instead.
-pub fn main_with(words: Vec<OsString>) -> ExitCode {
+pub fn main_with(words: Vec<OsString>, packaging: Packaging) -> ExitCode {
     system::set_arguments(words);
     interrupt::survive_file_size_limits();
     let left = exit::last_word();
-    let work = || {
+    let work = move || {
         let exit = catch_unwind(|| match read() {
             Ok(cli) => {
-                let outcome = system::prepare_threads().and_then(|()| run(&cli.command));
+                let outcome = system::prepare_threads().and_then(|()| run(&cli.command, packaging));
                 exit_of(outcome, cli.command.json())
             }
             Err(answer) => usage::answer(answer),
@@ -110,7 +113,7 @@ fn parse(
     Cli::from_arg_matches_mut(&mut matches).map_err(|e| e.format(program))
 }
 
-fn run(command: &Command) -> Result<Exit> {
+fn run(command: &Command, packaging: Packaging) -> Result<Exit> {
     match command {
         Command::Render(args) => render::run(args),
         Command::Resume(args) => resume::run(args),
@@ -127,7 +130,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Generate(args) => generate::run(args),
         Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(args),
-        Command::Doctor => doctor::run(),
+        Command::Doctor => doctor::run(packaging),
         Command::Schema => print::result(&format!("{:#}\n", keys::schema())).map(|()| Exit::Done),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { command } => manual::page(command.as_deref()),

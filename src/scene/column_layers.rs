@@ -1,12 +1,12 @@
 //! Columns of a particle file as layers of a picture: each pixel has the number of the particle
-//! that its layer `sphere_id` names.
+//! that its layer `sphere_id` names. The layer `row` has its row in the file.
 
 use std::path::Path;
 
 use crate::color::NO_ROW;
 use crate::error::{Error, Result};
 use crate::image_io::{ChannelValues, ImageChannel, Picture};
-use crate::particles::{ColumnData, Wanted, read};
+use crate::particles::{ColumnData, Wanted, read, survey};
 
 use super::data::SphereData;
 use super::particle_file::ParticleTable;
@@ -19,13 +19,25 @@ const SPHERE_ID: &str = "sphere_id";
 /// Channels that are no layers.
 const BEAUTY_CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 
+/// The layer of rows, unless a column has that name.
+pub const ROW_LAYER: &str = "row";
+
 /// Numbers of columns of the first particle file of a scene, by row of the file.
 #[derive(Clone, Debug)]
 pub struct ColumnLayers {
     /// Index of the table of the particles.
     table: usize,
     rows: FileRows,
-    columns: Vec<(String, Vec<f32>)>,
+    columns: Vec<(String, LayerValues)>,
+}
+
+/// What a layer shows of each particle, by row of the file.
+#[derive(Clone, Debug)]
+pub enum LayerValues {
+    /// A number.
+    Numbers(Vec<f32>),
+    /// The row itself, or the row that it stands for.
+    Rows(Option<Vec<u32>>),
 }
 
 impl ColumnLayers {
@@ -39,11 +51,11 @@ impl ColumnLayers {
         Self::read(table, particles, rows.unwrap_or_default(), names)
     }
 
-    /// Takes the numbers of all particles of a scene, whose arrays a program has in memory.
+    /// Takes the values of all particles of a scene, whose arrays a program has in memory.
     ///
     /// # Errors
     /// As for [`Self::of_scene_file`].
-    pub fn of_numbers(file: &SceneFile, columns: Vec<(String, Vec<f32>)>) -> Result<Self> {
+    pub fn of_values(file: &SceneFile, columns: Vec<(String, LayerValues)>) -> Result<Self> {
         let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
         let (table, _) = first_particles(&file.description, &names)?;
         refuse_colour_channels(&names)?;
@@ -74,8 +86,18 @@ impl ColumnLayers {
         names: &[String],
     ) -> Result<Self> {
         refuse_colour_channels(names)?;
-        let found = read(&particles.path, &particles.request(Wanted::Only(names.to_vec())))?;
-        let numbers = |name: &String| {
+        let is_row = names_rows(particles, names)?;
+        let to_read = names.iter().filter(|name| !(is_row && *name == ROW_LAYER)).cloned();
+        let wanted: Vec<String> = to_read.collect();
+        if wanted.is_empty() {
+            let layers = names.iter().map(|name| (name.clone(), LayerValues::Rows(None)));
+            return Ok(Self { table, rows, columns: layers.collect() });
+        }
+        let found = read(&particles.path, &particles.request(Wanted::Only(wanted)))?;
+        let values = |name: &String| {
+            if is_row && name == ROW_LAYER {
+                return Ok((name.clone(), LayerValues::Rows(None)));
+            }
             let column = found.column(name).filter(|c| !matches!(c.data, ColumnData::Text(_)));
             let column = column.ok_or_else(|| {
                 let file = particles.path.display();
@@ -83,9 +105,9 @@ impl ColumnLayers {
                     .with_help("a layer holds numbers; name another column")
             })?;
             let all = (0..column.data.len()).map(|row| column.number(row) as f32);
-            Ok((name.clone(), all.collect()))
+            Ok((name.clone(), LayerValues::Numbers(all.collect())))
         };
-        Ok(Self { table, rows, columns: names.iter().map(numbers).collect::<Result<_>>()? })
+        Ok(Self { table, rows, columns: names.iter().map(values).collect::<Result<_>>()? })
     }
 
     /// The names of the columns.
@@ -94,7 +116,7 @@ impl ColumnLayers {
     }
 
     /// Adds the layers to a picture of the scene that has the layer `sphere_id`. Pixels without a
-    /// particle are NaN.
+    /// particle are NaN, or [`NO_ROW`] in the layer of rows.
     pub fn add_to(&self, picture: &mut Picture, scene: &Scene) {
         let ids = picture.channels.iter().find(|channel| channel.name == SPHERE_ID);
         let Some(ChannelValues::Uint(ids)) = ids.map(|channel| &channel.values) else { return };
@@ -104,12 +126,38 @@ impl ColumnLayers {
             self.rows.row_in_file(row)
         };
         let rows: Vec<Option<u32>> = ids.iter().map(row_in_file).collect();
-        for (name, numbers) in &self.columns {
-            let number = |row: &Option<u32>| row.map_or(f32::NAN, |row| numbers[row as usize]);
-            let values = ChannelValues::Float(rows.iter().map(number).collect());
-            picture.channels.push(ImageChannel::new(name, values));
+        for (name, values) in &self.columns {
+            picture.channels.push(ImageChannel::new(name, values.of_rows(&rows)));
         }
     }
+}
+
+impl LayerValues {
+    /// The values of the particles that the pixels show.
+    fn of_rows(&self, rows: &[Option<u32>]) -> ChannelValues {
+        match self {
+            Self::Numbers(numbers) => {
+                let number = |row: &Option<u32>| row.map_or(f32::NAN, |row| numbers[row as usize]);
+                ChannelValues::Float(rows.iter().map(number).collect())
+            }
+            Self::Rows(None) => {
+                ChannelValues::Uint(rows.iter().map(|row| row.unwrap_or(NO_ROW)).collect())
+            }
+            Self::Rows(Some(origins)) => {
+                let origin = |row: &Option<u32>| row.map_or(NO_ROW, |row| origins[row as usize]);
+                ChannelValues::Uint(rows.iter().map(origin).collect())
+            }
+        }
+    }
+}
+
+/// Returns true if a layer `row` is wanted that is not a column of the file.
+fn names_rows(particles: &ParticleTable, names: &[String]) -> Result<bool> {
+    if names.iter().all(|name| name != ROW_LAYER) {
+        return Ok(false);
+    }
+    let survey = survey(&particles.path, &particles.request(Wanted::All))?;
+    Ok(survey.columns.iter().all(|column| column.name != ROW_LAYER))
 }
 
 fn refuse_colour_channels(names: &[String]) -> Result<()> {

@@ -48,11 +48,12 @@ mod validation_errors;
 mod value_types;
 
 pub use builder::{MaterialHandle, SceneBuilder};
-pub use column_layers::ColumnLayers;
+pub use column_layers::{ColumnLayers, LayerValues, ROW_LAYER};
 pub use data::{SphereArrays, SphereData};
 pub use description::SceneDescription;
 pub use loaded_particles::LoadedParticles;
 pub use particle_file::ParticleTable;
+pub use particle_table::FileRows;
 pub use prepared_scene::{CameraEnclosure, PreparedScene};
 pub use scene::Scene;
 pub use settings::Settings;

@@ -13,6 +13,7 @@ use crate::scene::data::SphereArrays;
 use crate::scene::description::SceneDescription;
 use crate::scene::import::{GivenTable, ImportPlan, TablePlan, check_count};
 use crate::scene::loaded_particles::LoadedParticles;
+use crate::scene::particle_table::FileRows;
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::validation_errors::{self, ValidationErrors};
@@ -231,6 +232,13 @@ impl SceneFile {
     pub fn particles(&self) -> impl Iterator<Item = LoadedParticles<'_>> {
         let planned = self.import_plan.tables.iter().filter_map(|plan| plan.particles.as_ref());
         planned.map(|planned| LoadedParticles::new(&planned.arrays, &planned.look))
+    }
+
+    /// For each table, which rows of a particle file its rows show; `None` for other tables.
+    pub fn file_rows(&self) -> Vec<Option<FileRows>> {
+        let planned = self.import_plan.tables.iter().map(|plan| plan.particles.as_ref());
+        let loaded = planned.map(|one| one.map(|one| LoadedParticles::new(&one.arrays, &one.look)));
+        loaded.map(|one| one.map(|one| one.file_rows())).collect()
     }
 
     /// The particles of the first table that has some, to be used in another scene: a copy that
