@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod compare;
 mod converge;
+mod convert;
 mod crosscheck;
 mod doctor;
 mod error;
@@ -120,6 +121,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),

@@ -8,6 +8,7 @@ pub mod convergence;
 mod difference;
 mod file;
 pub mod path;
+mod record_text;
 mod scene;
 pub mod speed;
 

@@ -5,6 +5,8 @@ mod bench_page;
 mod command_line;
 mod compare;
 mod converge;
+#[cfg(unix)]
+mod convert;
 mod desk;
 #[cfg(unix)]
 mod files;

@@ -9,6 +9,7 @@ mod accel;
 mod bench;
 mod compare;
 mod converge;
+mod convert;
 mod crosscheck;
 mod generate;
 pub mod help;
@@ -37,6 +38,7 @@ use super::exit::EXIT_CODES;
 pub use bench::BenchArgs;
 pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
+pub use convert::ConvertArgs;
 pub use crosscheck::CrosscheckArgs;
 pub use generate::GenerateArgs;
 pub use import::ImportArgs;
@@ -56,6 +58,7 @@ const EXAMPLES: &str = "\
 Examples:
   photosphere render scenes/paper/fig2.toml -o fig2.png
   photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024
+  photosphere convert fig2.exr -o fig2.png --tone agx
   photosphere info scenes/cornell-spheres.toml
   photosphere plan scenes/paper/fig2.toml --shards 4 --spp 4096 -o fig2.exr
   photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
@@ -83,6 +86,7 @@ pub enum Command {
     Bench(BenchArgs),
     Compare(CompareArgs),
     Converge(ConvergeArgs),
+    Convert(Box<ConvertArgs>),
     Reproduce(ReproduceArgs),
     Trace(TraceArgs),
     Verify(VerifyArgs),
@@ -141,6 +145,7 @@ impl Command {
             Self::Pick(args) => args.json,
             Self::Merge(_)
             | Self::Plan(_)
+            | Self::Convert(_)
             | Self::Crosscheck(_)
             | Self::Reproduce(_)
             | Self::Generate(_)
