@@ -6,6 +6,7 @@
 #[allow(unreachable_pub, reason = "the arguments are read throughout this module")]
 mod args;
 mod bench;
+mod cite;
 mod compare;
 mod converge;
 mod convert;
@@ -129,6 +130,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Generate(args) => generate::run(args),
         Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(args),
+        Command::Cite(args) => cite::run(args),
         Command::Doctor => doctor::run(),
         Command::Schema => print::result(&format!("{:#}\n", keys::schema())).map(|()| Exit::Done),
         Command::Completions { shell } => manual::completions(*shell),

@@ -50,6 +50,11 @@ impl FileRecords {
         Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
     }
 
+    /// How the picture was made.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
     /// Returns all records as JSON: texts as strings, JSON records as values.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 //! computes no results and prints nothing.
 
 pub mod checks;
+pub mod citation;
 pub mod compare;
 pub mod convergence;
 mod difference;

@@ -2,6 +2,8 @@
 
 mod bench_page;
 #[cfg(unix)]
+mod cite;
+#[cfg(unix)]
 mod command_line;
 mod compare;
 mod converge;

@@ -7,6 +7,7 @@
 
 mod accel;
 mod bench;
+mod cite;
 mod compare;
 mod converge;
 mod convert;
@@ -36,6 +37,7 @@ use clap::{Parser, Subcommand};
 use super::exit::EXIT_CODES;
 
 pub use bench::BenchArgs;
+pub use cite::CiteArgs;
 pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
 pub use convert::ConvertArgs;
@@ -94,6 +96,7 @@ pub enum Command {
     Import(Box<ImportArgs>),
     Pick(PickArgs),
     Info(InfoArgs),
+    Cite(CiteArgs),
     /// Report the Embree version, the instruction set, and what is missing
     #[command(after_help = "\
 Examples:
@@ -145,6 +148,7 @@ impl Command {
             Self::Pick(args) => args.json,
             Self::Merge(_)
             | Self::Plan(_)
+            | Self::Cite(_)
             | Self::Convert(_)
             | Self::Crosscheck(_)
             | Self::Reproduce(_)
