@@ -19,6 +19,7 @@ pub mod camera;
 pub mod cli;
 pub mod color;
 pub mod convert;
+pub mod denoise;
 pub mod draw;
 pub mod error;
 #[cfg(feature = "faults")]

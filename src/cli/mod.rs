@@ -11,6 +11,7 @@ mod compare;
 mod converge;
 mod convert;
 mod crosscheck;
+mod denoise;
 mod doctor;
 mod error;
 mod excerpt;
@@ -123,6 +124,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Denoise(args) => denoise::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),

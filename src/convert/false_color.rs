@@ -1,8 +1,9 @@
 //! Colours for numbers, ids and coordinates. They are display values: no view transform applies.
 
 use crate::appearance::{ColorMap, ValueRange, palette};
-use crate::color::{Rgb, linear_from_srgb, luminance};
+use crate::color::{Rgb, linear_from_srgb};
 use crate::error::{Error, Result};
+use crate::image_io::OverlayImage;
 use crate::overlay::{LegendSpec, OverlaySpec, font_pixels};
 
 use super::options::ConvertOptions;
@@ -51,7 +52,8 @@ pub(super) fn numbers(
     let overlay = options.overlay.legend.then(|| OverlaySpec {
         size: [width as u32, height as u32],
         font_pixels: font_pixels(&options.overlay, height as u32, options.dpi),
-        light_ink: is_dark_right(&pixels, alpha.as_deref(), width),
+        // On the plate.
+        light_ink: false,
         legend,
         scale_bar: None,
         tripod: None,
@@ -61,7 +63,7 @@ pub(super) fn numbers(
 
 fn description(map: ColorMap, range: &ValueRange) -> String {
     let log = if range.log { ", logarithmic" } else { "" };
-    format!("colour map {} from {} to {}{log}", map.name(), range.low, range.high)
+    format!("colour map {} from {} to {}{log}", map.name(), rounded(range.low), rounded(range.high))
 }
 
 fn no_numbers(layer: &str, log: bool) -> Error {
@@ -106,7 +108,9 @@ pub(super) fn vectors(values: &[Rgb], are_unit: bool) -> FalseColorPicture {
     let is_shown = |value: &Rgb| value.is_finite() && !(are_unit && *value == Rgb::ZERO);
     let pixel = |value: &Rgb| match is_shown(value) {
         true => {
-            let position = (*value - low) / (high - low).max(Rgb::splat(f32::MIN_POSITIVE));
+            // A mean over the edge of a surface is shorter.
+            let value = if are_unit { value.normalize_or_zero() } else { *value };
+            let position = (value - low) / (high - low).max(Rgb::splat(f32::MIN_POSITIVE));
             position.clamp(Rgb::ZERO, Rgb::ONE).map(linear_from_srgb)
         }
         false => Rgb::ZERO,
@@ -125,17 +129,65 @@ fn coverage(is_shown: impl Iterator<Item = bool>) -> Option<Vec<f32>> {
     alpha.contains(&0.0).then_some(alpha)
 }
 
-/// Returns true if the right of the picture, where the colour bar is, is dark. What is transparent
-/// counts as paper.
-fn is_dark_right(pixels: &[Rgb], alpha: Option<&[f32]>, width: usize) -> bool {
-    /// The right fifth of the picture.
-    const BAR_WIDTH: usize = 5;
-    let is_right = |at: &usize| at % width >= width - width.div_ceil(BAR_WIDTH);
-    let light = |at: usize| match alpha.map_or(1.0, |alpha| alpha[at]) {
-        0.0 => 1.0,
-        _ => luminance(pixels[at]),
+/// Puts a light plate under what is drawn, so that dark texts can be read on all colours.
+pub(super) fn with_plate(mut bar: OverlayImage, margin: usize) -> OverlayImage {
+    /// White, premultiplied with an opacity of four fifths.
+    const PLATE: u32 = 204;
+    let width = bar.width.max(1);
+    let drawn: Vec<[usize; 2]> = (0..bar.pixels.len())
+        .filter(|&at| bar.pixels[at][3] > 0)
+        .map(|at| [at % width, at / width])
+        .collect();
+    let ends = |axis: usize| {
+        let places = drawn.iter().map(|place| place[axis]);
+        let (low, high) = (places.clone().min()?, places.max()?);
+        Some(low.saturating_sub(margin)..high + margin + 1)
     };
-    let right = (0..pixels.len()).filter(is_right);
-    let (sum, count) = right.fold((0.0, 0.0), |(sum, count), at| (sum + light(at), count + 1.0f32));
-    sum < 0.18 * count
+    let (Some(columns), Some(rows)) = (ends(0), ends(1)) else { return bar };
+    for (at, pixel) in bar.pixels.iter_mut().enumerate() {
+        if columns.contains(&(at % width)) && rows.contains(&(at / width)) {
+            let under = PLATE * (255 - u32::from(pixel[3])) / 255;
+            *pixel = pixel.map(|value| (u32::from(value) + under).min(255) as u8);
+        }
+    }
+    bar
+}
+
+/// Five digits of a number, enough for a record.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plate_lies_under_the_bar_alone() {
+        let mut pixels = vec![[0; 4]; 20 * 10];
+        (pixels[5 * 20 + 8], pixels[7 * 20 + 9]) = ([10, 20, 30, 255], [0, 0, 0, 128]);
+        let bar = with_plate(OverlayImage { width: 20, pixels }, 2);
+        let at = |x: usize, y: usize| bar.pixels[y * 20 + x];
+        assert_eq!(at(8, 5), [10, 20, 30, 255]);
+        assert_eq!((at(6, 3), at(11, 9)), ([204; 4], [204; 4]));
+        assert_eq!((at(5, 3), at(12, 9), at(6, 2)), ([0; 4], [0; 4], [0; 4]));
+        assert_eq!(at(9, 7), [101, 101, 101, 229]);
+        let none = OverlayImage { width: 3, pixels: vec![[0; 4]; 6] };
+        assert_eq!(with_plate(none.clone(), 5), none);
+    }
+
+    #[test]
+    fn what_has_no_number_is_transparent() {
+        let options = ConvertOptions::default();
+        let values = [1.0, f64::INFINITY, 3.0, f64::NAN];
+        let shown = numbers("depth", &values, [2, 2], &options).unwrap();
+        assert_eq!(shown.alpha, Some(vec![1.0, 0.0, 1.0, 0.0]));
+        assert_eq!(shown.pixels[2], ColorMap::Viridis.linear(1.0));
+        assert_eq!(shown.done, "colour map viridis from 1 to 3");
+        assert!(numbers("depth", &[f64::NAN; 4], [2, 2], &options).is_err());
+        // At a silhouette, a mean of unit vectors is shorter, and is shown as if it were not.
+        let edge = vectors(&[Rgb::new(0.0, 0.5, 0.0), Rgb::ZERO], true);
+        assert_eq!(edge.alpha, Some(vec![1.0, 0.0]));
+        assert!((edge.pixels[0].y - 1.0).abs() < 1e-6);
+    }
 }

@@ -6,6 +6,7 @@
 //! or was cropped can be rendered again, any other records what was done to it.
 
 mod crop;
+mod denoised;
 mod false_color;
 mod options;
 mod picture;

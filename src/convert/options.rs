@@ -1,7 +1,10 @@
 //! What a conversion is asked for, as plain values.
 
+use std::sync::Arc;
+
 use crate::appearance::{ColorMap, RangeChoice};
 use crate::color::ViewTransform;
+use crate::denoise::Denoiser;
 use crate::image_io::PngDepth;
 use crate::math::Rect;
 use crate::overlay::OverlayChoice;
@@ -14,6 +17,8 @@ pub struct ConvertOptions {
     pub layers: Vec<String>,
     /// The pixels to keep, in the full picture.
     pub crop: Option<Rect>,
+    /// Denoises the picture first: its layer `denoised` is added, and shown where one layer is.
+    pub denoiser: Option<Arc<Denoiser>>,
     /// The view transform of a file for the screen; the usual one shows a picture that is already
     /// for the screen unchanged.
     pub look: ViewTransform,

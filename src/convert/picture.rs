@@ -4,13 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::color::{Rgb, ViewTransform};
+use crate::denoise::DENOISED;
 use crate::error::{Error, Result};
 use crate::image_io::{
-    BEAUTY, ChannelValues, CropWindow, FileFormat, ImageChannel, Picture, WriteOptions,
+    BEAUTY, ChannelValues, CropWindow, FileFormat, ImageChannel, OverlayImage, Picture,
+    WriteOptions,
 };
 use crate::job::Metadata;
 use crate::overlay::OverlaySpec;
 
+use super::false_color;
 use super::options::{ConvertOptions, is_meant};
 use super::record::record;
 use super::shown::Shown;
@@ -44,21 +47,29 @@ pub fn convert(path: &Path, to: FileFormat, options: &ConvertOptions) -> Result<
             return Err(Error::input(message).with_help(help));
         }
     }
+    // Before the crop, whose surroundings help.
+    if let Some(denoiser) = &options.denoiser {
+        refuse_no_light(path, &source)?;
+        source.denoise(denoiser)?;
+    }
     if let Some(crop) = options.crop {
         source.crop(crop)?;
     }
-    let (picture, overlay, done) = match to.has_layers() {
-        true => (layered(&source, options), None, Vec::new()),
+    let OneLayer { picture, overlay, done, is_false } = match to.has_layers() {
+        true => OneLayer { picture: layered(&source, options), ..OneLayer::default() },
         false => one_layer(path, &source, to, options)?,
     };
     let mut metadata = record(&source, to, options, done.clone());
+    if let Some(metadata) = metadata.as_mut().filter(|_| !shows_denoised(&source, to, options)) {
+        metadata.unmark_denoised();
+    }
     let is_drawn_anew = !to.has_layers() && !source.format.is_display_referred();
     if let Some(metadata) = metadata.as_mut().filter(|_| is_drawn_anew) {
         metadata.overlay.clone_from(&overlay);
     }
     let is_whole = source.size == source.full_size && source.offset == [0; 2];
     // False colours have a bar that is as large as the file.
-    let is_placed = !is_whole && overlay.as_ref().is_none_or(|o| o.size != sizes(source.size));
+    let is_placed = !is_whole && !is_false;
     Ok(Converted {
         picture,
         options: WriteOptions {
@@ -68,7 +79,7 @@ pub fn convert(path: &Path, to: FileFormat, options: &ConvertOptions) -> Result<
             png_depth: options.png_depth,
             dpi: options.dpi,
             metadata: metadata.as_ref().map(Metadata::to_records).transpose()?.unwrap_or_default(),
-            overlay: overlay.map(|overlay| Arc::new(overlay.draw())),
+            overlay: overlay.map(|overlay| Arc::new(drawn(&overlay, is_false))),
             fast: false,
         },
         is_record_understood: metadata.is_some() || !source.has_records,
@@ -87,8 +98,39 @@ fn refuse_second_look(path: &Path, source: &Source, options: &ConvertOptions) ->
     Err(Error::input(message).with_help("convert the .exr, .hdr or .pfm file that it came from"))
 }
 
+/// Refuses to denoise what has been rounded and clipped for the screen, or has no picture.
+fn refuse_no_light(path: &Path, source: &Source) -> Result<()> {
+    let path = path.display();
+    if source.format.is_display_referred() {
+        return Err(Error::input(format!("`{path}` holds values for the screen, not light"))
+            .with_help("denoise the .exr, .hdr or .pfm file that it came from"));
+    }
+    if source.layer(BEAUTY).is_none() {
+        let help = format!("its layers are {}", source.layer_names());
+        return Err(Error::input(format!("`{path}` has no layer `{BEAUTY}`")).with_help(help));
+    }
+    Ok(())
+}
+
+/// Returns true if the denoised picture is in the new file.
+fn shows_denoised(source: &Source, to: FileFormat, options: &ConvertOptions) -> bool {
+    let is_there = source.layer(DENOISED).is_some();
+    is_there
+        && if to.has_layers() { options.keeps(DENOISED) } else { shown(options) == Some(DENOISED) }
+}
+
+/// The layer that a file with one layer shows; `None` if several are asked for.
+fn shown(options: &ConvertOptions) -> Option<&str> {
+    match &options.layers[..] {
+        [] if options.denoiser.is_some() => Some(DENOISED),
+        [] => Some(BEAUTY),
+        [name] => Some(name),
+        [_, ..] => None,
+    }
+}
+
 /// The layers that are kept, as they are stored.
-fn layered(source: &Source, options: &ConvertOptions) -> Picture {
+pub(super) fn layered(source: &Source, options: &ConvertOptions) -> Picture {
     let [width, height] = source.size;
     let mut picture = Picture { width, height, ..Picture::default() };
     picture.hidden_layers = vec!["direct", "indirect"];
@@ -111,8 +153,25 @@ fn layered(source: &Source, options: &ConvertOptions) -> Picture {
     picture
 }
 
-/// The one layer that a file shows, what is drawn over it, and what was done to it.
-type OneLayer = (Picture, Option<OverlaySpec>, Vec<String>);
+/// What a file shows.
+#[derive(Default)]
+struct OneLayer {
+    picture: Picture,
+    /// What is drawn over it.
+    overlay: Option<OverlaySpec>,
+    /// What was done to it.
+    done: Vec<String>,
+    /// True for false colours.
+    is_false: bool,
+}
+
+/// Draws an overlay; a bar of false colours is on a plate.
+fn drawn(overlay: &OverlaySpec, is_false: bool) -> OverlayImage {
+    match is_false {
+        true => false_color::with_plate(overlay.draw(), (0.6 * overlay.font_pixels) as usize),
+        false => overlay.draw(),
+    }
+}
 
 fn one_layer(
     path: &Path,
@@ -124,8 +183,10 @@ fn one_layer(
     let [width, height] = source.size;
     let indirect = vec![Rgb::ZERO; width * height];
     let mut picture = Picture { width, height, indirect, ..Picture::default() };
-    let mut done = Vec::new();
-    if layer.name != BEAUTY {
+    let (mut done, mut is_false) = (Vec::new(), false);
+    // The record says of a denoised picture that it is one.
+    let is_picture = layer.name == BEAUTY || layer.name == DENOISED;
+    if !is_picture {
         done.push(format!("layer {}", layer.name));
     }
     let overlay = match Shown::new(source, layer, to, options)? {
@@ -133,7 +194,7 @@ fn one_layer(
             picture.direct = premultiplied(source, layer);
             picture.alpha = alpha(source);
             let drawn = source.metadata.as_ref().and_then(|metadata| metadata.overlay.as_ref());
-            let is_wanted = layer.name == BEAUTY && options.overlay.legend;
+            let is_wanted = is_picture && options.overlay.legend;
             let fits = |spec: &&OverlaySpec| spec.size == sizes(source.full_size);
             let is_there_already = source.format.is_display_referred();
             drawn.filter(fits).filter(|_| is_wanted && !is_there_already).cloned()
@@ -144,11 +205,12 @@ fn one_layer(
         }
         Shown::FalseColors(colors) => {
             (picture.direct, picture.alpha) = (colors.pixels, colors.alpha);
+            is_false = true;
             done.push(colors.done);
             colors.overlay
         }
     };
-    Ok((picture, overlay, done))
+    Ok(OneLayer { picture, overlay, done, is_false })
 }
 
 fn the_layer<'a>(
@@ -158,14 +220,11 @@ fn the_layer<'a>(
     options: &ConvertOptions,
 ) -> Result<&'a SourceLayer> {
     let path = path.display();
-    let name = match &options.layers[..] {
-        [] => BEAUTY,
-        [name] => name,
-        [first, ..] => {
-            let message = format!("a .{} file holds one layer", to.name());
-            let help = format!("name one, such as {first}, or write an .exr file");
-            return Err(Error::input(message).with_help(help));
-        }
+    let Some(name) = shown(options) else {
+        let message = format!("a .{} file holds one layer", to.name());
+        let first = &options.layers[0];
+        let help = format!("name one, such as {first}, or write an .exr file");
+        return Err(Error::input(message).with_help(help));
     };
     source.layer(name).ok_or_else(|| {
         let help = format!("name one of its layers: {}", source.layer_names());

@@ -9,6 +9,8 @@ mod compare;
 mod converge;
 #[cfg(unix)]
 mod convert;
+#[cfg(unix)]
+mod denoise;
 mod desk;
 #[cfg(unix)]
 mod files;

@@ -96,6 +96,7 @@ impl ConvertArgs {
     pub fn options(&self) -> ConvertOptions {
         ConvertOptions {
             layers: self.layers.clone(),
+            denoiser: None,
             crop: self.crop,
             look: self.look.look(),
             png_depth: self.bits.unwrap_or_default(),
@@ -114,14 +115,9 @@ impl ConvertArgs {
         }
     }
 
-    /// Returns the options that are given and apply only to files for the screen.
-    pub fn options_for_screen(&self) -> impl Iterator<Item = &'static str> {
-        let usual = self.options();
-        let given = [
-            ("--exposure", self.look.has_exposure()),
-            ("--tone", self.look.has_tone()),
-            ("--dither", usual.look.dither),
-            ("--dpi", self.look.dpi.is_some()),
+    /// Returns the options that apply only to files for the screen; true if they are given.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        let own = [
             ("--bits", self.bits.is_some()),
             ("--colormap", self.colormap.is_some()),
             ("--range", self.range.is_some()),
@@ -130,7 +126,7 @@ impl ConvertArgs {
             ("--title", self.title.is_some()),
             ("--font-size", self.font_size.is_some()),
         ];
-        given.into_iter().filter(|(_, given)| *given).map(|(option, _)| option)
+        self.look.given().into_iter().chain(own)
     }
 }
 

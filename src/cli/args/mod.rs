@@ -12,6 +12,7 @@ mod compare;
 mod converge;
 mod convert;
 mod crosscheck;
+mod denoise;
 mod generate;
 pub mod help;
 mod import;
@@ -42,6 +43,7 @@ pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
 pub use convert::ConvertArgs;
 pub use crosscheck::CrosscheckArgs;
+pub use denoise::DenoiseArgs;
 pub use generate::GenerateArgs;
 pub use import::ImportArgs;
 pub use info::InfoArgs;
@@ -89,6 +91,7 @@ pub enum Command {
     Compare(CompareArgs),
     Converge(ConvergeArgs),
     Convert(Box<ConvertArgs>),
+    Denoise(DenoiseArgs),
     Reproduce(ReproduceArgs),
     Trace(TraceArgs),
     Verify(VerifyArgs),
@@ -151,6 +154,7 @@ impl Command {
             | Self::Cite(_)
             | Self::Convert(_)
             | Self::Crosscheck(_)
+            | Self::Denoise(_)
             | Self::Reproduce(_)
             | Self::Generate(_)
             | Self::Import(_)

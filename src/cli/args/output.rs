@@ -64,14 +64,14 @@ impl LookArgs {
         ViewTransform { exposure, tone, dither: self.dither }
     }
 
-    /// Returns true if the exposure is given.
-    pub fn has_exposure(&self) -> bool {
-        self.exposure.is_some()
-    }
-
-    /// Returns true if the tone curve is given.
-    pub fn has_tone(&self) -> bool {
-        self.tone.is_some()
+    /// Returns the options; true if they are given.
+    pub fn given(&self) -> [(&'static str, bool); 4] {
+        [
+            ("--exposure", self.exposure.is_some()),
+            ("--tone", self.tone.is_some()),
+            ("--dither", self.dither),
+            ("--dpi", self.dpi.is_some()),
+        ]
     }
 }
 
@@ -120,6 +120,7 @@ impl OutputArgs {
             dpi: self.look.dpi,
             overlay: OverlayChoice::default(),
             columns: self.columns(),
+            denoise: false,
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
