@@ -18,6 +18,8 @@ pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod convert;
+pub mod denoise;
 pub mod draw;
 pub mod error;
 #[cfg(feature = "faults")]

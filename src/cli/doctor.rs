@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::accel::{
     self, Accel, Backend, BackendChoice, BuildOptions, EmbreeInfo, KernelIsa, SelectedBackend,
 };
+use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
@@ -41,13 +42,7 @@ struct Companion {
     how_to_get: &'static str,
 }
 
-const COMPANIONS: [Companion; 3] = [
-    Companion {
-        name: "oidn",
-        program: "oidnDenoise",
-        gain: "denoises a picture.pfm; photosphere itself has no denoiser",
-        how_to_get: "install Open Image Denoise",
-    },
+const COMPANIONS: [Companion; 2] = [
     Companion {
         name: "ffmpeg",
         program: "ffmpeg",
@@ -77,6 +72,7 @@ pub(super) fn run(packaging: Packaging) -> Result<Exit> {
         report.backend(*backend);
     }
     report.choice();
+    report.denoiser();
     let is_python = packaging == Packaging::PythonPackage;
     let companions = COMPANIONS.iter().filter(|one| !(is_python && one.name == "python"));
     companions.for_each(|companion| report.companion(companion));
@@ -166,6 +162,18 @@ impl Report {
             let SelectedBackend { backend, reason } = BackendChoice::Auto.select_for_count(spheres);
             self.wide_row(name, format!("{words}: {} ({reason})", backend.name()));
         }
+    }
+
+    /// Adds the library that denoises pictures.
+    fn denoiser(&mut self) {
+        match Denoiser::load() {
+            Ok(denoiser) => self.row("oidn", denoiser.name()),
+            Err(error) => {
+                self.row("oidn", format!("not found: {error}"));
+                self.row("", error.help().unwrap_or_default());
+            }
+        }
+        self.row("", "denoises pictures: photosphere denoise, or render --denoise");
     }
 
     fn companion(&mut self, companion: &Companion) {

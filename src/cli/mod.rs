@@ -6,9 +6,12 @@
 #[allow(unreachable_pub, reason = "the arguments are read throughout this module")]
 mod args;
 mod bench;
+mod cite;
 mod compare;
 mod converge;
+mod convert;
 mod crosscheck;
+mod denoise;
 mod doctor;
 mod error;
 mod excerpt;
@@ -123,6 +126,8 @@ fn run(command: &Command, packaging: Packaging) -> Result<Exit> {
         Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
+        Command::Convert(args) => convert::run(args),
+        Command::Denoise(args) => denoise::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),
@@ -130,6 +135,7 @@ fn run(command: &Command, packaging: Packaging) -> Result<Exit> {
         Command::Generate(args) => generate::run(args),
         Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(args),
+        Command::Cite(args) => cite::run(args),
         Command::Doctor => doctor::run(packaging),
         Command::Schema => print::result(&format!("{:#}\n", keys::schema())).map(|()| Exit::Done),
         Command::Completions { shell } => manual::completions(*shell),

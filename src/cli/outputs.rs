@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use crate::color::ViewTransform;
+use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
 use crate::image_io::{FileFormat, Picture};
@@ -21,6 +22,7 @@ pub(super) struct Outputs {
     layers: Vec<Aov>,
     overlay: Option<OverlaySpec>,
     columns: Option<ColumnLayers>,
+    denoiser: Option<Denoiser>,
     spec: OutputSpec,
 }
 
@@ -66,7 +68,7 @@ impl Outputs {
             refuse_look_without_screen(delivery, &pictures)?;
         }
         let (layers, spec) = (layers.to_vec(), delivery.clone());
-        Ok(Self { pictures, part, layers, overlay: None, columns: None, spec })
+        Ok(Self { pictures, part, layers, overlay: None, columns: None, denoiser: None, spec })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -102,6 +104,16 @@ impl Outputs {
     /// Sets the columns of a particle file that are layers.
     pub(super) fn set_columns(&mut self, columns: Option<ColumnLayers>) {
         self.columns = columns;
+    }
+
+    /// Sets what denoises the pictures.
+    pub(super) fn set_denoiser(&mut self, denoiser: Denoiser) {
+        self.denoiser = Some(denoiser);
+    }
+
+    /// What denoises the pictures.
+    pub(super) fn denoiser(&self) -> Option<&Denoiser> {
+        self.denoiser.as_ref()
     }
 
     /// Returns a picture of the scene with the columns as layers.

@@ -140,6 +140,7 @@ fn channels(
     let notes = WriteOptions {
         crop_window: frame_crop(again.film.frame()),
         view_transform: said.look.unwrap_or_default(),
+        png_depth: said.bits.unwrap_or_default(),
         overlay: overlay(said).map(Arc::new),
         ..WriteOptions::default()
     };

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::Rgb;
 
 /// The first surface that a sample sees, after opacity tests. For a mirror or glass this is the
-/// surface itself, not what is seen in it or through it.
+/// surface itself, not what is seen in it or through it, except for denoising.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleSurface {
     /// Directly visible radiance, without any scattering, reflection or refraction: emitters and
@@ -21,6 +21,13 @@ pub struct VisibleSurface {
     pub position: Vec3,
     /// Row of the sphere in the scene; [`NO_ROW`] on a miss.
     pub row: u32,
+    /// Colour of the first surface that is no mirror or smooth glass, as seen in those before it,
+    /// in `[0, 1]`; that of the mirrors alone if there is none behind them.
+    pub denoising_albedo: Rgb,
+    /// Unit normal of that surface, or of the last mirror or glass.
+    pub denoising_normal: Vec3,
+    /// True while the path has met only mirrors and smooth glass.
+    pub sees_through: bool,
 }
 
 /// The row that means "no sphere".
@@ -35,6 +42,9 @@ impl VisibleSurface {
         distance: 0.0,
         position: Vec3::ZERO,
         row: NO_ROW,
+        denoising_albedo: Rgb::ZERO,
+        denoising_normal: Vec3::ZERO,
+        sees_through: false,
     };
 
     /// Returns true if a surface is visible.

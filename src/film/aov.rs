@@ -78,7 +78,7 @@ const fn aov_info(
 }
 
 /// Every AOV. docs/layers.md documents them for users.
-pub const AOVS: [AovInfo; 16] = [
+pub const AOVS: [AovInfo; 18] = [
     aov_info(Aov::Beauty, "beauty", RGB, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Direct), "direct", RGB, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Indirect), "indirect", RGB, MergeRule::Sums),
@@ -87,6 +87,8 @@ pub const AOVS: [AovInfo; 16] = [
     aov_info(Aov::Mean(Layer::Normal), "normal", XYZ, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Depth), "depth", SCALAR, MergeRule::HitSums),
     aov_info(Aov::Mean(Layer::Position), "position", XYZ, MergeRule::HitSums),
+    aov_info(Aov::Mean(Layer::DenoisingAlbedo), "denoising_albedo", RGB, MergeRule::Sums),
+    aov_info(Aov::Mean(Layer::DenoisingNormal), "denoising_normal", XYZ, MergeRule::Sums),
     aov_info(Aov::SphereId, "sphere_id", SCALAR, MergeRule::Invariant),
     aov_info(Aov::MaterialId, "material_id", SCALAR, MergeRule::Invariant),
     aov_info(Aov::SampleCount, "sample_count", SCALAR, MergeRule::Counts),
@@ -113,6 +115,10 @@ impl Aov {
 
     /// Normal of the first surface.
     pub const NORMAL: Self = Self::Mean(Layer::Normal);
+
+    /// What guides a denoiser: colour and normal of what is seen, also in mirrors and glass.
+    pub const DENOISING: [Self; 2] =
+        [Self::Mean(Layer::DenoisingAlbedo), Self::Mean(Layer::DenoisingNormal)];
 
     /// The default AOVs of a picture.
     pub const DEFAULT: [Self; 2] = [Self::Mean(Layer::Direct), Self::Mean(Layer::Indirect)];

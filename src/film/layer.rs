@@ -29,6 +29,10 @@ pub enum Layer {
     Depth,
     /// Position on the first surface, summed over the samples that hit one.
     Position,
+    /// Colour of the first surface that is no mirror or smooth glass, as seen in those.
+    DenoisingAlbedo,
+    /// Normal of that surface.
+    DenoisingNormal,
     /// Number of samples whose first hit is each sphere. Has no channels: its counts are stored
     /// separately.
     Coverage,
@@ -44,6 +48,8 @@ named_enum! {
         Normal = "normal",
         Depth = "depth",
         Position = "position",
+        DenoisingAlbedo = "denoising_albedo",
+        DenoisingNormal = "denoising_normal",
         Coverage = "coverage",
     }
 }
@@ -59,6 +65,8 @@ impl Layer {
         Self::Normal,
         Self::Depth,
         Self::Position,
+        Self::DenoisingAlbedo,
+        Self::DenoisingNormal,
         Self::Coverage,
     ];
 
@@ -72,7 +80,9 @@ impl Layer {
             | Self::Emission
             | Self::Albedo
             | Self::Normal
-            | Self::Position => 3,
+            | Self::Position
+            | Self::DenoisingAlbedo
+            | Self::DenoisingNormal => 3,
         }
     }
 
@@ -86,6 +96,8 @@ impl Layer {
             | Self::Normal
             | Self::Depth
             | Self::Position
+            | Self::DenoisingAlbedo
+            | Self::DenoisingNormal
             | Self::Coverage => true,
         }
     }
@@ -100,7 +112,11 @@ impl Layer {
         step_for_exponent::<i128>(match self {
             Self::Direct | Self::Indirect | Self::Emission => scale.exponent + HEADROOM,
             // Fractions of 1, and coordinates of unit vectors.
-            Self::Alpha | Self::Albedo | Self::Normal => HEADROOM,
+            Self::Alpha
+            | Self::Albedo
+            | Self::Normal
+            | Self::DenoisingAlbedo
+            | Self::DenoisingNormal => HEADROOM,
             // Sixteen times the largest coordinate; the steps are 2^-38.
             Self::Depth | Self::Position => 60,
             Self::Coverage => 0,
@@ -123,6 +139,8 @@ impl Layer {
             Self::Normal => surface.normal.is_finite(),
             Self::Depth => surface.distance.is_finite(),
             Self::Position => surface.position.is_finite(),
+            Self::DenoisingAlbedo => surface.denoising_albedo.is_finite(),
+            Self::DenoisingNormal => surface.denoising_normal.is_finite(),
             Self::Coverage => true,
         }
     }
@@ -143,6 +161,12 @@ impl Layer {
             Self::Normal => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.normal)),
             Self::Depth => add_all(sums, runs, surface, |surface| [f64::from(surface.distance)]),
             Self::Position => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.position)),
+            Self::DenoisingAlbedo => {
+                add_all(sums, runs, surface, |surface| rgb_to_f64(surface.denoising_albedo));
+            }
+            Self::DenoisingNormal => {
+                add_all(sums, runs, surface, |surface| rgb_to_f64(surface.denoising_normal));
+            }
             Self::Coverage => {}
         }
     }

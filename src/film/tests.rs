@@ -38,6 +38,9 @@ fn visible_surface(pixel: [u32; 2], index: u32) -> VisibleSurface {
         distance: direct.length() * alpha,
         position: indirect * alpha,
         row: index,
+        denoising_albedo: indirect.abs().min(Rgb::ONE),
+        denoising_normal: direct.normalize_or_zero(),
+        sees_through: false,
     }
 }
 

@@ -24,6 +24,7 @@ use crate::task::parallel;
 use super::atomic_file::Sink;
 use super::notes::{CropWindow, WriteOptions};
 use super::picture::{ChannelValues, ImageChannel, Picture};
+use super::read::BEAUTY;
 use super::record::MetadataEntry;
 
 /// Files with more bytes of pixels than this are compressed less if `fast` is set.
@@ -85,7 +86,9 @@ fn channels<'a>(picture: &'a Picture, overlay: &'a [(&'static str, Vec<f32>)]) -
     let mut channels = Vec::new();
     let mut add = |name: String, values| channels.push(Channel { name, values });
     for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
-        add(name.to_owned(), ChannelData::Beauty(axis));
+        if !picture.hidden_layers.contains(&BEAUTY) {
+            add(name.to_owned(), ChannelData::Beauty(axis));
+        }
         let layers = [("direct", &picture.direct), ("indirect", &picture.indirect)];
         for (layer, values) in
             layers.into_iter().filter(|(layer, _)| !picture.hidden_layers.contains(layer))

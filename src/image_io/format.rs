@@ -26,7 +26,10 @@ named_enum! { FileFormat { Png = "png", Exr = "exr", Hdr = "hdr", Pfm = "pfm" } 
 
 impl FileFormat {
     /// The format of a file, by its extension.
-    pub(super) fn from_path(path: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If the extension is that of no format.
+    pub fn from_path(path: &Path) -> Result<Self> {
         Self::known(path).ok_or_else(|| {
             let message = format!("`{}` does not end in .png, .exr, .hdr or .pfm", path.display());
             Error::input(message).with_help(

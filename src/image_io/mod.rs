@@ -9,6 +9,7 @@
 //! become black; [`Picture::non_finite`] counts them for the caller to report.
 
 mod atomic_file;
+mod display;
 mod exr;
 mod format;
 mod hdr;
@@ -18,6 +19,7 @@ mod overlay_image;
 mod pfm;
 mod picture;
 mod png;
+mod png_depth;
 mod read;
 mod record;
 mod target;
@@ -26,14 +28,17 @@ mod temp_folder;
 mod tests;
 
 pub use atomic_file::{AtomicFile, Sink, remove_temp_files};
+pub use display::display_pixels;
 pub use format::{FileFormat, PICTURE_FORMATS, has_picture_extension};
 pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
 pub use overlay_image::OverlayImage;
 pub use picture::{ChannelValues, ImageChannel, Picture};
-pub use png::{display_pixels, rgba_png};
+pub use png::rgba_png;
+pub use png_depth::PngDepth;
 pub use read::{
-    BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, read_image, read_light, read_raw_channels,
+    BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, StoredPicture, read_image, read_light,
+    read_raw_channels, read_stored,
 };
 pub use record::MetadataEntry;
 pub use target::{ImageWriter, write_to_stream};

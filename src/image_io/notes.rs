@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::color::ViewTransform;
 
 use super::overlay_image::OverlayImage;
+use super::png_depth::PngDepth;
 use super::record::MetadataEntry;
 
 /// Options for writing a picture: metadata, display and compression.
@@ -14,6 +15,8 @@ pub struct WriteOptions {
     pub crop_window: Option<CropWindow>,
     /// View transform for PNG files.
     pub view_transform: ViewTransform,
+    /// Bits per channel of PNG files.
+    pub png_depth: PngDepth,
     /// Resolution in pixels per inch, for PNG files; none by default.
     pub dpi: Option<u32>,
     /// How the picture was made; written to PNG and EXR files.

@@ -21,7 +21,7 @@ pub struct Picture {
     /// Opacity of each pixel in [0, 1], if the scene requests alpha; the layers are then
     /// premultiplied.
     pub alpha: Option<Vec<f32>>,
-    /// Layers among `direct` and `indirect` that files omit.
+    /// Layers among `beauty`, `direct` and `indirect` that files with layers omit.
     pub hidden_layers: Vec<&'static str>,
     /// Additional channels, for formats that support them.
     pub channels: Vec<ImageChannel>,

@@ -1,13 +1,13 @@
-//! PNG: 8 bits per channel for display, through the [`ViewTransform`](crate::color::ViewTransform).
-//! The default is the sRGB curve, clipped to white above 1. Whatever the tone curve, the pixels are
-//! values for an sRGB display, and the file says so.
+//! PNG: 8 or 16 bits per channel for display, through the
+//! [`ViewTransform`](crate::color::ViewTransform). The default is the sRGB curve, clipped to white
+//! above 1. Whatever the tone curve, the pixels are values for an sRGB display, and the file says
+//! so.
 //!
 //! A picture with alpha becomes RGBA with colors that are not premultiplied, as the specification
 //! requires (PNG third edition, section 6.2).
 
 use std::fs::File;
 use std::io::{self, BufReader};
-use std::ops::Range;
 use std::path::Path;
 
 use png::chunk::ChunkType;
@@ -17,19 +17,15 @@ use png::{
     ScaledFloat, SrgbRenderingIntent, Unit, Writer,
 };
 
-use crate::task::parallel;
-
 use super::atomic_file::Sink;
-use super::notes::{CropWindow, WriteOptions};
-use super::overlay_image::OverlayImage;
+use super::display::{deep_pixels, display_pixels};
+use super::notes::WriteOptions;
 use super::picture::Picture;
+use super::png_depth::PngDepth;
 use super::record::MetadataEntry;
 
 /// Texts longer than this, in bytes, are compressed.
 const COMPRESS_TEXT_ABOVE: usize = 512;
-
-/// Rows encoded by one task.
-const ROWS_PER_TASK: usize = 16;
 
 /// Chunk with code points of ITU-T H.273, which takes precedence over the other chunks about color.
 const CICP: ChunkType = ChunkType(*b"cICP");
@@ -44,7 +40,7 @@ const METERS_PER_INCH: f64 = 0.0254;
 /// Maximum length of all texts together, in bytes. Longer ones are neither written nor read.
 const MAX_TEXT_BYTES: usize = 64 << 20;
 
-/// Writes the beauty for display, rounded to the nearest of 256 levels.
+/// Writes the beauty for display, rounded to the nearest level.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
     let length: usize = notes.metadata.iter().map(|record| record.text.len()).sum();
     if length > MAX_TEXT_BYTES {
@@ -63,23 +59,31 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
         let per_meter = (f64::from(dpi) / METERS_PER_INCH).round() as u32;
         PixelDimensions { xppu: per_meter, yppu: per_meter, unit: Unit::Meter }
     }));
-    let mut writer = write_srgb_header(encoder)?;
+    let mut writer = write_srgb_header(encoder, notes.png_depth)?;
     for record in &notes.metadata {
         let mut chunk = ITXtChunk::new(record.key(), &record.text);
         chunk.compressed = record.text.len() > COMPRESS_TEXT_ABOVE;
         writer.write_text_chunk(&chunk)?;
     }
-    writer.write_image_data(&display_pixels(picture, notes))?;
+    let bytes = match notes.png_depth {
+        PngDepth::Eight => display_pixels(picture, notes),
+        PngDepth::Sixteen => deep_pixels(picture, notes),
+    };
+    writer.write_image_data(&bytes)?;
     writer.finish()?;
     Ok(())
 }
 
-/// Writes the chunks before the pixels, which are 8-bit sRGB. `gAMA` is for programs that do not
+/// Writes the chunks before the pixels, which are sRGB. `gAMA` is for programs that do not
 /// know `sRGB`.
 fn write_srgb_header<W: io::Write>(
     mut encoder: Encoder<'_, W>,
+    depth: PngDepth,
 ) -> Result<Writer<W>, EncodingError> {
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(match depth {
+        PngDepth::Eight => BitDepth::Eight,
+        PngDepth::Sixteen => BitDepth::Sixteen,
+    });
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     encoder.set_source_gamma(ScaledFloat::from_scaled(SRGB_GAMMA));
     let mut writer = encoder.write_header()?;
@@ -87,53 +91,12 @@ fn write_srgb_header<W: io::Write>(
     Ok(writer)
 }
 
-/// The pixels of a PNG file in 8 bits, row by row: red, green and blue, and alpha if the picture
-/// has it.
-pub fn display_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
-    let rows = (0..picture.height)
-        .step_by(ROWS_PER_TASK)
-        .map(|row| row..(row + ROWS_PER_TASK).min(picture.height));
-    parallel::map(rows.collect(), |rows| encode_rows(picture, notes, rows)).concat()
-}
-
-fn encode_rows(picture: &Picture, notes: &WriteOptions, rows: Range<usize>) -> Vec<u8> {
-    let [left, top] = notes.crop_window.map_or([0; 2], |CropWindow { offset: corner, .. }| corner);
-    let mut bytes = Vec::with_capacity(4 * rows.len() * picture.width);
-    for row in rows {
-        for column in 0..picture.width {
-            let pixel = row * picture.width + column;
-            let alpha = picture.alpha.as_ref().map(|alpha| alpha[pixel]);
-            let covered = match alpha {
-                None => 1.0,
-                Some(alpha) if alpha > 0.0 => 1.0 / alpha,
-                Some(_) => 0.0,
-            };
-            let light = picture.finite_beauty(pixel) * covered;
-            let (x, y) = (left + column, top + row);
-            let color = notes.view_transform.to_display_8bit(light, x, y);
-            let alpha = alpha.map(|alpha| (alpha * 255.0).round() as u8);
-            let over = notes.overlay.as_ref().map(|overlay| overlay.get(x, y));
-            match (over.filter(|over| over[3] > 0), alpha) {
-                (None, alpha) => {
-                    bytes.extend(color);
-                    bytes.extend(alpha);
-                }
-                (Some(over), None) => bytes.extend(OverlayImage::over(over, color)),
-                (Some(over), Some(alpha)) => {
-                    bytes.extend(OverlayImage::over_alpha(over, color, alpha));
-                }
-            }
-        }
-    }
-    bytes
-}
-
 /// Encodes 8-bit RGBA pixels as a PNG file in memory; `None` if `bytes` does not match the size.
 pub fn rgba_png(width: u32, height: u32, bytes: &[u8]) -> Option<Vec<u8>> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Rgba);
-    let mut writer = write_srgb_header(encoder).ok()?;
+    let mut writer = write_srgb_header(encoder, PngDepth::Eight).ok()?;
     writer.write_image_data(bytes).ok()?;
     writer.finish().ok()?;
     Some(file)
@@ -162,7 +125,9 @@ pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{picture, written};
-    use super::super::{CropWindow, ImageWriter, WriteOptions};
+    use super::super::{CropWindow, ImageWriter, OverlayImage, PngDepth, WriteOptions};
+    use std::sync::Arc;
+
     use crate::color::{Rgb, ToneCurve, ViewTransform, srgb_from_linear};
 
     #[test]
@@ -287,6 +252,36 @@ mod tests {
         assert_eq!(write("photosphere:", 1).unwrap().len(), 1);
         assert!(write("photosphere:", 2).is_err());
         assert_eq!(write("other", 2).unwrap(), []);
+    }
+
+    #[test]
+    fn sixteen_bits_are_finer_by_257_and_blend_as_eight_do() {
+        let mut picture = picture();
+        let count = picture.len();
+        picture.alpha = Some((0..count).map(|i| i as f32 / count as f32).collect());
+        let mut pixels = vec![[0; 4]; count];
+        pixels[7] = [90, 60, 30, 120];
+        let overlay = Some(Arc::new(OverlayImage { width: 13, pixels }));
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, png_depth: PngDepth| {
+            let path = folder.path().join(name);
+            let notes =
+                WriteOptions { png_depth, overlay: overlay.clone(), ..WriteOptions::default() };
+            ImageWriter::new(&path).unwrap().write_with(&picture, &notes).unwrap();
+            image::open(path).unwrap()
+        };
+        let (deep, plain) =
+            (write("a.png", PngDepth::Sixteen), write("b.png", PngDepth::Eight).into_rgba8());
+        assert_eq!(deep.color(), image::ColorType::Rgba16);
+        let mut odd = 0;
+        for (deep, plain) in deep.into_rgba16().pixels().zip(plain.pixels()) {
+            for (deep, plain) in deep.0.into_iter().zip(plain.0) {
+                // A blend of 8 bits rounds twice.
+                assert!((f32::from(deep) / 257.0 - f32::from(plain)).abs() < 1.6);
+                odd += usize::from(deep % 257 != 0);
+            }
+        }
+        assert!(odd > count, "the finer levels are used: {odd}");
     }
 
     #[test]

@@ -25,7 +25,7 @@ impl MetadataEntry {
     }
 
     /// Returns true if a name in a file is one of ours.
-    pub(super) fn is_ours(key: &str) -> bool {
+    pub fn is_ours(key: &str) -> bool {
         key.starts_with(PREFIX)
     }
 

@@ -15,7 +15,7 @@ use crate::accel::{self, Backend};
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::Aov;
-use crate::image_io::MetadataEntry;
+use crate::image_io::{MetadataEntry, PngDepth};
 use crate::overlay::OverlaySpec;
 use crate::scene::settings::IntegratorSettings;
 use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
@@ -63,6 +63,13 @@ pub struct Metadata {
     /// The view transform of a display format, if it is not the default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<ViewTransform>,
+    /// Bits per channel of a display format, if they are not the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bits: Option<PngDepth>,
+    /// What was done to the rendered pixels afterwards, other than showing them. Such a picture
+    /// cannot be rendered again as it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub converted: Vec<String>,
     /// What is drawn over the picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub overlay: Option<OverlaySpec>,
@@ -145,6 +152,8 @@ impl Metadata {
             parts: MergedSamples::default(),
             biased: prepared.render_settings().biases(),
             look: None,
+            bits: None,
+            converted: Vec::new(),
             overlay: None,
             layers: None,
             column_layers: Vec::new(),

@@ -11,6 +11,7 @@ mod aovs;
 mod budgeted_timer;
 mod checkpoint;
 mod cryptomatte;
+mod denoised_record;
 pub mod diff;
 mod display_scale;
 pub mod eta;

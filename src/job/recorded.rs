@@ -34,10 +34,21 @@ impl ReproductionCost {
     /// # Errors
     /// Describes what no render can have written.
     pub fn of(recorded: &Metadata) -> Result<Self> {
+        refuse_converted(recorded)?;
         check_settings(recorded)?;
         let pixels = recorded.settings.image.pixel_bounds().pixel_count() as u64;
         Ok(Self { pixels, samples: samples(recorded)?, memory: memory(recorded) })
     }
+}
+
+/// Refuses a picture whose pixels are no longer those of a render.
+fn refuse_converted(recorded: &Metadata) -> Result<()> {
+    if recorded.converted.is_empty() {
+        return Ok(());
+    }
+    let message =
+        format!("the picture was changed after it was rendered: {}", recorded.converted.join("; "));
+    Err(Error::input(message).with_help("use the picture that it was made from"))
 }
 
 fn impossible(what: impl std::fmt::Display) -> Error {
@@ -164,6 +175,8 @@ mod tests {
             parts: MergedSamples::default(),
             biased: Vec::new(),
             look: None,
+            bits: None,
+            converted: Vec::new(),
             overlay: None,
             layers: None,
             column_layers: Vec::new(),
@@ -215,6 +228,10 @@ mod tests {
         refused(|it| it.samples.min_count = 65, "are not among 0..64");
         refused(|it| it.counts = TileSampleCounts(vec![16; 5]), "its tiles have other samples");
         refused(|it| it.counts = TileSampleCounts(vec![65; 6]), "its tiles have other samples");
+        refused(
+            |it| it.converted = vec!["layer depth".to_owned()],
+            "changed after it was rendered: l",
+        );
         let twice = vec![Aov::Beauty, Aov::Beauty];
         refused(|it| it.layers = Some(twice), "twice");
     }

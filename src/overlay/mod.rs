@@ -11,6 +11,8 @@ mod draw;
 mod scale_bar;
 mod spec;
 mod text;
+mod text_size;
 mod tripod;
 
 pub use spec::{LegendSpec, OverlayChoice, OverlaySpec, ScaleBarSpec};
+pub use text_size::font_pixels;

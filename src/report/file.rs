@@ -6,15 +6,15 @@ use serde_json::{Map, Value, json};
 
 use crate::error::Result;
 use crate::image_io::{self, MetadataEntry};
-use crate::job::diff::format_json;
 use crate::job::metadata::record_value;
-use crate::job::{Checkpoint, CheckpointHeader, FilePath, Metadata, RenderStatus, is_checkpoint};
+use crate::job::{
+    Checkpoint, CheckpointHeader, FilePath, Metadata, NoiseTarget, RenderStatus, is_checkpoint,
+};
+
+use super::record_text::{self, join_list, line_by_line};
 
 /// Name of the record that says how to resume a part.
 const RESUME: &str = "resume";
-
-/// Longer lists are not written out in text.
-const MAX_LIST_LENGTH: usize = 100;
 
 /// Records of how a file was made.
 #[derive(Clone, Debug)]
@@ -48,6 +48,11 @@ impl FileRecords {
         // Detects damage after the header.
         part.into_film()?;
         Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
+    }
+
+    /// How the picture was made.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
     }
 
     /// Returns all records as JSON: texts as strings, JSON records as values.
@@ -108,28 +113,39 @@ impl FileRecords {
     /// Formats a record as text instead of JSON. Settings start with the ones asked for most.
     fn format_record(&self, record: &MetadataEntry) -> Vec<MetadataEntry> {
         let metadata = &self.metadata;
+        let run = metadata.run.as_ref();
         let text = match record.name.as_str() {
             "settings" => return settings_records(metadata),
             "intersector" => Some(metadata.intersector.name().to_owned()),
             "samples" => Some(metadata.samples_to_string()),
-            "counts" => Some(metadata.counts.to_string()),
-            "parts" => Some(format!("{}\n", metadata.parts)),
+            "counts" => Some(record_text::counts(&metadata.counts)),
+            "parts" => Some(record_text::parts(&metadata.parts)),
             "biased" => Some(metadata.biased.join(", ")),
             "look" => metadata.look.map(|look| look.to_string()),
-            "layers" => join_list(&record_value(record)),
-            "noise" => {
-                metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
-            }
+            "bits" => metadata.bits.map(|bits| bits.name().to_owned()),
+            "converted" => Some(metadata.converted.join("; ")),
+            "overlay" => metadata.overlay.as_ref().map(record_text::overlay),
+            "layers" | "column-layers" => join_list(&record_value(record)),
+            "noise" => run.and_then(|run| run.noise).map(|noise| record_text::noise(&noise)),
+            "error" => run.and_then(|run| {
+                let confidence =
+                    run.noise.map_or(NoiseTarget::CONFIDENCE, |noise| noise.confidence);
+                Some(record_text::error(run.error?, confidence))
+            }),
+            "rays" => run.map(|run| record_text::rays(run.rays)),
+            "seconds" => run.map(|run| record_text::seconds(run.seconds)),
             // The scene text contains it.
-            "scene" if metadata.run.as_ref().is_some_and(|run| run.scene_text.is_some()) => {
-                return Vec::new();
-            }
+            "scene" if run.is_some_and(|run| run.scene_text.is_some()) => return Vec::new(),
             "scene" => metadata.scene.as_ref().map(|scene| line_by_line(&scene.to_keys())),
             "files" => Some(line_by_line(&record_value(record))),
             RESUME => self.header.as_ref().and_then(describe_resume),
             _ => None,
         };
-        vec![MetadataEntry::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
+        let text = text.unwrap_or_else(|| match record_value(record) {
+            value @ (Value::Object(_) | Value::Array(_)) => line_by_line(&value),
+            _ => record.text.clone(),
+        });
+        vec![MetadataEntry::new(&record.name, record_text::shortened(&text))]
     }
 }
 
@@ -153,39 +169,4 @@ fn settings_records(metadata: &Metadata) -> Vec<MetadataEntry> {
     records.extend(image.crop.map(|crop| MetadataEntry::new("crop", crop.to_string())));
     records.push(MetadataEntry::new("settings", line_by_line(&metadata.settings.to_keys())));
     records
-}
-
-/// The texts of a list.
-fn join_list(value: &Value) -> Option<String> {
-    let texts: Option<Vec<&str>> = value.as_array()?.iter().map(Value::as_str).collect();
-    Some(texts?.join(","))
-}
-
-/// One line per value: `image.width = 16`.
-fn line_by_line(value: &Value) -> String {
-    let mut lines = String::new();
-    add_lines("", value, &mut lines);
-    lines
-}
-
-fn add_lines(path: &str, value: &Value, lines: &mut String) {
-    let inner = |key: &str| match path {
-        "" => key.to_owned(),
-        _ => format!("{path}.{key}"),
-    };
-    match value {
-        Value::Null => {}
-        Value::Object(fields) => {
-            fields.iter().for_each(|(name, value)| add_lines(&inner(name), value, lines));
-        }
-        Value::Array(list) if list.len() > MAX_LIST_LENGTH => {
-            *lines += &format!("{path} = a list of {}\n", list.len());
-        }
-        Value::Array(list) if list.iter().any(Value::is_object) => {
-            let numbered = list.iter().enumerate();
-            numbered.for_each(|(index, value)| add_lines(&inner(&index.to_string()), value, lines));
-        }
-        Value::Array(list) if list.is_empty() => {}
-        other => *lines += &format!("{path} = {}\n", format_json(other)),
-    }
 }

@@ -3,11 +3,13 @@
 //! computes no results and prints nothing.
 
 pub mod checks;
+pub mod citation;
 pub mod compare;
 pub mod convergence;
 mod difference;
 mod file;
 pub mod path;
+mod record_text;
 mod scene;
 pub mod speed;
 

@@ -7,7 +7,8 @@ mod options;
 mod overlay_spec;
 mod style;
 
+pub use crate::overlay::font_pixels;
 pub use import::{Import, import, import_particles};
 pub use options::{Background, StudioOptions};
-pub use overlay_spec::{font_pixels, overlay_spec};
+pub use overlay_spec::overlay_spec;
 pub use style::{MATERIALS, Style};

@@ -3,20 +3,11 @@
 use crate::appearance::Legend;
 use crate::color::{Rgb, luminance, srgb8_from_linear};
 use crate::math::DVec3;
-use crate::overlay::{LegendSpec, OverlayChoice, OverlaySpec, ScaleBarSpec};
+use crate::overlay::{LegendSpec, OverlayChoice, OverlaySpec, ScaleBarSpec, font_pixels};
 use crate::scene::SceneFile;
 use crate::scene::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, ProjectionDescription,
 };
-
-/// Size of texts in heights of the picture, where no size for print is known.
-const TEXT_SHARE: f64 = 0.026;
-
-/// Size of texts in points, where the picture's resolution for print is known.
-const TEXT_POINTS: f64 = 8.0;
-
-/// Largest size of texts in heights of the picture.
-const MAX_TEXT_SHARE: f64 = 0.1;
 
 /// Backgrounds darker than this luminance take light ink.
 const DARK: f32 = 0.18;
@@ -52,14 +43,6 @@ pub fn overlay_spec(
         tripod: choice.tripod.then(|| axes_in_picture(camera)),
     };
     (!spec.is_empty()).then_some(spec)
-}
-
-/// Size of texts in pixels, in a picture of this height in pixels and this resolution for print.
-pub fn font_pixels(choice: &OverlayChoice, height: u32, dpi: Option<u32>) -> f64 {
-    let height = f64::from(height);
-    let per_point = dpi.map_or(height * TEXT_SHARE / TEXT_POINTS, |dpi| f64::from(dpi) / 72.0);
-    let font_pixels = per_point * choice.font_size.unwrap_or(TEXT_POINTS);
-    font_pixels.clamp(1.0, (MAX_TEXT_SHARE * height).max(1.0))
 }
 
 /// A legend with few entries more than nothing; one category says nothing.

@@ -2,9 +2,15 @@
 
 mod bench_page;
 #[cfg(unix)]
+mod cite;
+#[cfg(unix)]
 mod command_line;
 mod compare;
 mod converge;
+#[cfg(unix)]
+mod convert;
+#[cfg(unix)]
+mod denoise;
 mod desk;
 #[cfg(unix)]
 mod files;

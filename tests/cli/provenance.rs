@@ -147,3 +147,38 @@ fn layers_need_a_file_with_a_place_for_them() {
     assert!(!desk.run("info a.png").succeeds().stdout.contains("\nlayers"));
     desk.run("render scene.toml -o b.png --layers beauty,alpha").succeeds();
 }
+
+/// No counts of thousands of tiles, no JSON, errors as percentages; all of it is in `--json`.
+#[test]
+fn what_a_picture_says_is_in_words() {
+    let desk = Desk::new(SCENE);
+    let noise = "--size 64x48 --noise 3% --max-spp 20000 --crop 3,5,60,45";
+    let render = "render scene.toml --accel native --quiet -o a.exr";
+    desk.run(&format!("{render} {noise} --layers depth,sample_count")).succeeds();
+    let said = desk.run("info a.exr").succeeds();
+    assert_eq!(said.row("noise"), "3.00 % for 95 % of the values");
+    let error = said.row("error");
+    assert!(error.ends_with(" % of the brightness, for 95 % of the values"), "{error}");
+    let counts = said.row("counts");
+    assert!(counts.contains(" tiles of 16 x 4 pixels, ") && counts.len() < 80, "{counts}");
+    let before_text = said.stdout.split("scene-text").next().expect("all");
+    assert!(!before_text.contains('{'), "{before_text}");
+    let all = desk.run("info a.exr --json").succeeds().json();
+    assert!(all["counts"].as_array().is_some_and(|runs| runs.len() > 1));
+    assert!(all["error"].as_f64().is_some_and(|error| error < 0.05));
+    // A scene of many lines is cut.
+    let many: String = (0..200).map(|i| SCENE_BALL.replace('#', &i.to_string())).collect();
+    let desk = Desk::new(&format!("{SCENE}{many}"));
+    desk.run("render scene.toml --accel native --quiet --spp 1 -o a.png").succeeds();
+    let said = desk.run("info a.png").succeeds().stdout;
+    assert!(said.contains(" more lines\n") && said.lines().count() < 250, "{said}");
+}
+
+/// One more ball of the scene, whose number stands for `#`.
+const SCENE_BALL: &str = "
+[[spheres]]
+name = \"ball #\"
+center = [#.0, 1.0, -9.0]
+radius = 0.4
+material = \"grass\"
+";

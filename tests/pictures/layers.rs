@@ -260,3 +260,38 @@ fn integrators_that_follow_no_paths_have_layers_too() {
         }
     }
 }
+
+/// In a mirror and through glass, the layers for denoising show what is behind; elsewhere they are
+/// the first surface.
+#[test]
+fn layers_for_denoising_see_through_mirrors_and_glass() {
+    let mut kit = Kit::new(24, 18, 16);
+    let scene = &mut kit.scene;
+    scene.camera([0.0, 0.0, 6.0], [0.0, 0.0, 0.0]).field_of_view(40.0).background([0.2, 0.3, 0.4]);
+    let wall = scene.diffuse([0.25, 0.5, 0.125]);
+    let mirror = scene.mirror([0.5, 0.75, 1.0]);
+    let glass = scene.glass(1.5);
+    // All of it is in a room; the mirror covers the left of the picture, glass the right.
+    scene.sphere(wall, [0.0, 0.0, 0.0], 50.0).sphere(mirror, [-1.0, 0.0, 0.0], 0.9).sphere(
+        glass,
+        [1.0, 0.0, 0.0],
+        0.9,
+    );
+    let picture = rendered(&kit, &AOVS.map(|row| row.aov));
+    let ids = whole(&picture, "material_id");
+    let albedo = |pixel| triple(&picture, "denoising_albedo", "RGB", pixel);
+    let normal = |pixel| triple(&picture, "denoising_normal", "XYZ", pixel);
+    let middle = |x: usize| 9 * 24 + x;
+    assert_eq!((ids[middle(7)], ids[middle(16)], ids[middle(0)]), (1, 2, 0));
+    assert_eq!(albedo(middle(7)), [0.125, 0.375, 0.125], "the wall times the mirror");
+    assert_eq!(albedo(middle(0)), triple(&picture, "albedo", "RGB", middle(0)));
+    assert_eq!(normal(middle(0)), triple(&picture, "normal", "XYZ", middle(0)));
+    // A ray to the middle of the mirror comes back to the wall behind the camera, which faces it.
+    assert!(normal(middle(7))[2] < -0.5, "{:?}", normal(middle(7)));
+    // Glass takes no colour; light in it may take many turns, so that some is lost to the roulette.
+    let seen = albedo(middle(16));
+    for (seen, wall) in seen.into_iter().zip([0.25, 0.5, 0.125]) {
+        assert!((seen / wall - 1.0).abs() < 0.1, "{seen} {wall}");
+    }
+    assert_eq!(triple(&picture, "albedo", "RGB", middle(16)), [1.0; 3]);
+}

@@ -7,9 +7,12 @@
 
 mod accel;
 mod bench;
+mod cite;
 mod compare;
 mod converge;
+mod convert;
 mod crosscheck;
+mod denoise;
 mod generate;
 pub mod help;
 mod import;
@@ -35,9 +38,12 @@ use clap::{Parser, Subcommand};
 use super::exit::EXIT_CODES;
 
 pub use bench::BenchArgs;
+pub use cite::CiteArgs;
 pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
+pub use convert::ConvertArgs;
 pub use crosscheck::CrosscheckArgs;
+pub use denoise::DenoiseArgs;
 pub use generate::GenerateArgs;
 pub use import::ImportArgs;
 pub use info::InfoArgs;
@@ -56,6 +62,7 @@ const EXAMPLES: &str = "\
 Examples:
   photosphere render scenes/paper/fig2.toml -o fig2.png
   photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024
+  photosphere convert fig2.exr -o fig2.png --tone agx
   photosphere info scenes/cornell-spheres.toml
   photosphere plan scenes/paper/fig2.toml --shards 4 --spp 4096 -o fig2.exr
   photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
@@ -83,6 +90,8 @@ pub enum Command {
     Bench(BenchArgs),
     Compare(CompareArgs),
     Converge(ConvergeArgs),
+    Convert(Box<ConvertArgs>),
+    Denoise(DenoiseArgs),
     Reproduce(ReproduceArgs),
     Trace(TraceArgs),
     Verify(VerifyArgs),
@@ -90,6 +99,7 @@ pub enum Command {
     Import(Box<ImportArgs>),
     Pick(PickArgs),
     Info(InfoArgs),
+    Cite(CiteArgs),
     /// Report the Embree version, the instruction set, and what is missing
     #[command(after_help = "\
 Examples:
@@ -141,7 +151,10 @@ impl Command {
             Self::Pick(args) => args.json,
             Self::Merge(_)
             | Self::Plan(_)
+            | Self::Cite(_)
+            | Self::Convert(_)
             | Self::Crosscheck(_)
+            | Self::Denoise(_)
             | Self::Reproduce(_)
             | Self::Generate(_)
             | Self::Import(_)

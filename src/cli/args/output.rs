@@ -28,6 +28,18 @@ pub struct OutputArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = LayerParser)]
     layers: Option<Vec<LayerName>>,
 
+    #[command(flatten)]
+    look: LookArgs,
+
+    /// Omit the command, the time and the machine from the files, so that equal pictures are equal
+    /// files
+    #[arg(long)]
+    pub no_run_figures: bool,
+}
+
+/// How files for the screen show a picture.
+#[derive(Args, Clone, Debug)]
+pub struct LookArgs {
     /// The exposure of .png files in stops; each stop doubles the light
     #[arg(long, value_name = "EV", value_parser = exposure)]
     exposure: Option<f32>,
@@ -42,12 +54,25 @@ pub struct OutputArgs {
 
     /// The resolution for print that .png files record, in pixels per inch
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    dpi: Option<u32>,
+    pub dpi: Option<u32>,
+}
 
-    /// Omit the command, the time and the machine from the files, so that equal pictures are equal
-    /// files
-    #[arg(long)]
-    pub no_run_figures: bool,
+impl LookArgs {
+    /// Returns the view transform of display-referred files.
+    pub fn look(&self) -> ViewTransform {
+        let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
+        ViewTransform { exposure, tone, dither: self.dither }
+    }
+
+    /// Returns the options; true if they are given.
+    pub fn given(&self) -> [(&'static str, bool); 4] {
+        [
+            ("--exposure", self.exposure.is_some()),
+            ("--tone", self.tone.is_some()),
+            ("--dither", self.dither),
+            ("--dpi", self.dpi.is_some()),
+        ]
+    }
 }
 
 impl OutputArgs {
@@ -92,9 +117,10 @@ impl OutputArgs {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
-            dpi: self.dpi,
+            dpi: self.look.dpi,
             overlay: OverlayChoice::default(),
             columns: self.columns(),
+            denoise: false,
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -105,8 +131,7 @@ impl OutputArgs {
 
     /// Returns the view transform of display-referred files.
     pub fn look(&self) -> ViewTransform {
-        let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
-        ViewTransform { exposure, tone, dither: self.dither }
+        self.look.look()
     }
 
     /// Returns the options as command arguments: first those that concern parts, then those that
@@ -122,16 +147,16 @@ impl OutputArgs {
             of_parts.extend(["--layers".to_owned(), names.join(",")]);
         }
         let mut of_pictures = Vec::new();
-        if let Some(stops) = self.exposure {
+        if let Some(stops) = self.look.exposure {
             of_pictures.extend(["--exposure".to_owned(), stops.to_string()]);
         }
-        if let Some(tone) = self.tone {
+        if let Some(tone) = self.look.tone {
             of_pictures.extend(["--tone".to_owned(), tone.name().to_owned()]);
         }
-        if let Some(dpi) = self.dpi {
+        if let Some(dpi) = self.look.dpi {
             of_pictures.extend(["--dpi".to_owned(), dpi.to_string()]);
         }
-        let flags = [("--dither", self.dither), ("--no-run-figures", self.no_run_figures)];
+        let flags = [("--dither", self.look.dither), ("--no-run-figures", self.no_run_figures)];
         let given = flags.into_iter().filter(|(_, given)| *given);
         of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
         [of_parts, of_pictures]

@@ -35,6 +35,7 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
+  photosphere render fig2.toml -o fig2.exr -o fig2.png --spp 16 --denoise
   sed s/0.2/0.3/ fig2.toml | photosphere render - -o - > fig3.png
 
 Ctrl-C stops the render and writes the samples so far. A second Ctrl-C, or one before
@@ -76,6 +77,11 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub watch: WatchArgs,
+
+    /// Denoise the picture with Intel Open Image Denoise, which must be installed: .exr files get
+    /// the layer `denoised`, others show it. The picture is then biased
+    #[arg(long)]
+    pub denoise: bool,
 
     /// Print only warnings and errors
     #[arg(short, long)]

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
+use crate::denoise::DenoisedPicture;
 use crate::error::{Error, Result};
-use crate::image_io::AtomicFile;
+use crate::image_io::{AtomicFile, Picture};
 use crate::job::save::{self, RetryPolicy, SaveTask, SaveTasks};
-use crate::job::{RunOutcome, Session, StopReason};
+use crate::job::{PictureRecord, RunOutcome, Session, StopReason};
 
 use super::super::exit::Exit;
 use super::super::interrupt::Interrupt;
@@ -79,11 +80,18 @@ impl RenderFinisher<'_> {
         // After a signal somebody waits for the program to exit. But a finished picture has the
         // same bytes whenever the signal came.
         let in_haste = reached.stop_reason == StopReason::Stopped;
-        let notes = self.outputs.notes(session.film().frame(), &session.metadata(), in_haste);
+        let finished = OnceLock::new();
+        let finish = || self.finish_picture(shown(), in_haste);
         let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
             path: file.path.clone(),
             is_file: file.is_file(),
-            write: Box::new(|place| file.write(place, shown(), &notes)),
+            write: Box::new(|place| {
+                let (denoised, notes) = finished.get_or_init(finish);
+                match denoised {
+                    None => file.write(place, shown(), notes),
+                    Some(denoised) => file.write(place, denoised.of(file.has_layers()), notes),
+                }
+            }),
         });
         let tasks = SaveTasks {
             checkpoint: self.keep.map(|keep| self.checkpoint_task(keep, reached)),
@@ -97,6 +105,7 @@ impl RenderFinisher<'_> {
         let manner = RetryPolicy { skip_retries: &|| self.interrupt.is_requested(), warn: &warn };
         let saved = save::save_all(&tasks, &manner);
         drop(tasks);
+        drop(finished);
         let mut color_difference = None;
         if let Some(picture) = picture.into_inner() {
             if self.outputs.has_legend() && !in_haste {
@@ -106,6 +115,27 @@ impl RenderFinisher<'_> {
             last_look.set_picture(picture);
         }
         saved.map(|()| color_difference)
+    }
+
+    /// Denoises the picture, if that is asked for, and returns what is written beside it. A picture
+    /// that cannot be denoised is written as it is, with a warning.
+    fn finish_picture(
+        &self,
+        picture: &Picture,
+        in_haste: bool,
+    ) -> (Option<DenoisedPicture>, PictureRecord) {
+        let mut metadata = self.session.metadata();
+        let denoiser = self.outputs.denoiser();
+        let denoised = denoiser.and_then(|denoiser| {
+            let denoised = DenoisedPicture::new(denoiser, picture);
+            let warn = |error| self.progress.suspend(|| print::warning(error));
+            denoised.map_err(warn).ok()
+        });
+        if let Some((denoiser, _)) = denoiser.zip(denoised.as_ref()) {
+            metadata.mark_denoised(&denoiser.name());
+        }
+        let notes = self.outputs.notes(self.session.film().frame(), &metadata, in_haste);
+        (denoised, notes)
     }
 
     fn checkpoint_task<'a>(

@@ -9,6 +9,7 @@ mod request;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::job::{
     Checkpoint, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES, scene_warnings,
@@ -70,6 +71,25 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     request.check_stdout()?;
     let (layers, format) = (&request.job.layers, request.stdout_format);
     let mut outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
+    let guided;
+    let request = match request.delivery.denoise {
+        true => {
+            guided = request.clone().guided();
+            outputs.set_layers(&guided.job.layers);
+            &guided
+        }
+        false => request,
+    };
+    if request.delivery.denoise && outputs.has_pictures() {
+        match Denoiser::load() {
+            Ok(denoiser) => outputs.set_denoiser(denoiser),
+            // The samples are more than the library.
+            Err(error) if request.is_resumed => print::warning(format_args!(
+                "{error}; the pictures are written as rendered, for `photosphere denoise`"
+            )),
+            Err(error) => return Err(error),
+        }
+    }
     let keep = CheckpointTarget::new(request.checkpoint.as_deref(), &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let mut viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;

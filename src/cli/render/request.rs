@@ -7,6 +7,7 @@ use crate::cli::args::RenderArgs;
 use crate::cli::outputs::{is_part, is_stdout};
 use crate::cli::scene_file::STANDARD_INPUT;
 use crate::error::{Error, Result};
+use crate::film::Aov;
 use crate::image_io::FileFormat;
 use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec, Quality};
 use crate::scene::{Override, SceneSource};
@@ -68,6 +69,7 @@ impl RenderRequest {
             preview_every: args.watch.preview_every,
             tev: args.watch.tev.clone(),
             overlay: args.overlay.choice(),
+            denoise: args.denoise,
             ..args.output.output_spec()
         };
         Self {
@@ -108,6 +110,16 @@ impl RenderRequest {
         until.noise = Some(USUAL_QUALITY.target(self.delivery.look));
         self.has_default_noise = true;
         self.overrides.push(Override::new(DECIDING[0], GOOD_SAMPLES.to_string()));
+        self
+    }
+
+    /// Renders the layers that guide a denoiser, too.
+    #[must_use]
+    pub(in crate::cli) fn guided(mut self) -> Self {
+        let layers = &mut self.job.layers;
+        let missing = Aov::DENOISING.into_iter().filter(|aov| !layers.contains(aov));
+        let missing: Vec<Aov> = missing.collect();
+        layers.extend(missing);
         self
     }
 

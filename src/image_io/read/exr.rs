@@ -9,14 +9,17 @@ use exr::compression::Compression;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, FlatSamples, IntegerBounds, ReadChannels, ReadLayers, Vec2, read,
+    AnyChannel, AnyChannels, AttributeValue, FlatSamples, IntegerBounds, ReadChannels, ReadLayers,
+    Vec2, read,
 };
 
 use crate::color::Rgb;
+use crate::image_io::picture::{ChannelValues, ImageChannel};
 
 use super::image::Image;
 use super::layered::{BEAUTY, ImageLayer, LayeredImage};
 use super::limits::{self, Announced, DEFLATE_RATIO};
+use super::stored::StoredPicture;
 
 /// Ratio of DWA, whose blocks of 64 equal pixels, or runs of bytes, are then deflated.
 const DWA_RATIO: u64 = 64 * DEFLATE_RATIO;
@@ -56,6 +59,49 @@ pub(super) fn read_layers(path: &Path) -> Result<LayeredImage, String> {
     }
     layers.sort_by_key(|layer| layer.name != BEAUTY);
     Ok(LayeredImage { width: size.0, height: size.1, layers, is_display_referred: false })
+}
+
+/// Reads all channels of the parts that are as large as the first, with the layer of each, and the
+/// texts beside the pixels, in the order of their names.
+pub(super) fn read_channels(path: &Path) -> Result<StoredPicture, String> {
+    let image = read_parts(path)?;
+    let first = image.layer_data.first().ok_or("it has no parts")?;
+    let (size, position) = (first.size, first.attributes.layer_position);
+    let display = image.attributes.display_window;
+    let mut stored = StoredPicture {
+        size: [size.0, size.1],
+        offset: [position.0 - display.position.0, position.1 - display.position.1],
+        full_size: [display.size.0, display.size.1],
+        channels: Vec::new(),
+        attributes: Vec::new(),
+    };
+    for part in image.layer_data.iter().filter(|part| part.size == size) {
+        let part_name = part.attributes.layer_name.as_ref().map(ToString::to_string);
+        let part_name = part_name.as_deref().unwrap_or("");
+        let channels = &part.channel_data.list;
+        let has = |name: &str| channels.iter().any(|channel| channel.name.eq(name));
+        for channel in channels {
+            let own = channel.name.to_string();
+            let (layer, _) = layer_of(&own, &has, part_name);
+            let name = if image.layer_data.len() > 1 && !part_name.is_empty() {
+                format!("{part_name}.{own}")
+            } else {
+                own
+            };
+            let values = match &channel.sample_data {
+                FlatSamples::U32(values) => ChannelValues::Uint(values.clone()),
+                other => ChannelValues::Float(other.values_as_f32().collect()),
+            };
+            stored.channels.push((layer, ImageChannel { name, values }));
+        }
+        for (name, value) in &part.attributes.other {
+            if let AttributeValue::Text(text) = value {
+                stored.attributes.push((name.to_string(), text.to_string()));
+            }
+        }
+    }
+    stored.attributes.sort();
+    Ok(stored)
 }
 
 /// Reads all parts as stored.
@@ -207,8 +253,19 @@ fn add(
     count: usize,
     layers: &mut Vec<ImageLayer>,
 ) {
-    let full = channel.name.to_string();
-    let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
+    let (name, role) = layer_of(&channel.name.to_string(), has, part);
+    let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
+        layers.push(ImageLayer { name, pixels: vec![Rgb::ZERO; count] });
+        layers.len() - 1
+    });
+    for (pixel, value) in layers[at].pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
+        assign(pixel, role, value);
+    }
+}
+
+/// The layer of a channel, and its role there. `has` says which channels the part has.
+fn layer_of(full: &str, has: &dyn Fn(&str) -> bool, part: &str) -> (String, ChannelRole) {
+    let (prefix, last) = full.rsplit_once('.').unwrap_or(("", full));
     // A single `Y` is a grey picture, and a single `Z` a depth.
     let is_vector = ["X", "Y", "Z"].iter().all(|axis| has(&format!("{prefix}.{axis}")));
     let (suffix, role) = match last.to_ascii_uppercase().as_str() {
@@ -222,14 +279,7 @@ fn add(
         "A" => ("alpha", ChannelRole::Grey),
         _ => (last, ChannelRole::Grey),
     };
-    let name = layer_name([part, prefix, suffix]);
-    let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
-        layers.push(ImageLayer { name, pixels: vec![Rgb::ZERO; count] });
-        layers.len() - 1
-    });
-    for (pixel, value) in layers[at].pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
-        assign(pixel, role, value);
-    }
+    (layer_name([part, prefix, suffix]), role)
 }
 
 fn assign(pixel: &mut Rgb, role: ChannelRole, value: f32) {

@@ -18,6 +18,7 @@ mod limits;
 mod pfm;
 mod png;
 mod raw;
+mod stored;
 
 use std::path::Path;
 
@@ -30,6 +31,7 @@ pub use layered::{BEAUTY, ImageLayer, LayeredImage};
 pub use light::read_light;
 pub(super) use limits::open as open_ordinary;
 pub use raw::{RawChannel, read_raw_channels};
+pub use stored::StoredPicture;
 
 /// Reads a picture; the extension selects the format.
 ///
@@ -51,6 +53,18 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
     let count = layered.width * layered.height;
     debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
     Ok(layered)
+}
+
+/// Reads all channels of a `.exr` file.
+///
+/// # Errors
+/// If the file cannot be read, or has another format.
+pub fn read_stored(path: &Path) -> Result<StoredPicture> {
+    let trouble = |reason: String| Error::file("read", path, reason);
+    match FileFormat::from_path(path)? {
+        FileFormat::Exr => exr::read_channels(path).map_err(trouble),
+        _ => Err(trouble("it is no .exr file".to_owned())),
+    }
 }
 
 #[cfg(test)]

@@ -97,6 +97,9 @@ pub struct OutputSpec {
     /// Columns of the particle file that are layers of the pictures.
     #[serde(default)]
     pub columns: Vec<String>,
+    /// True if the pictures are denoised; the samples never are.
+    #[serde(default)]
+    pub denoise: bool,
     /// True if picture files include the record of the run.
     pub with_run_record: bool,
     /// Time between checkpoint writes.
@@ -118,6 +121,7 @@ impl Default for OutputSpec {
             dpi: None,
             overlay: OverlayChoice::default(),
             columns: Vec::new(),
+            denoise: false,
             with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,

@@ -67,6 +67,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
         files: vec![path()],
         look: ViewTransform::default(),
         dpi: Some(300),
+        denoise: true,
         with_run_record: true,
         save_every: Duration::from_secs(60),
         preview: Some(path()),
