@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn errors_are_percentages() {
         assert_eq!(noise(&NoiseTarget::new(0.05)), "5.00 % for 95 % of the values");
-        let strict = NoiseTarget { error: 0.002, confidence: 0.999 };
+        let strict = NoiseTarget { error: 0.002, confidence: 0.999, display: None };
         assert_eq!(noise(&strict), "0.20 % for 99.9 % of the values");
         assert_eq!(error(0.0493, 0.95), "4.93 % of the brightness, for 95 % of the values");
     }
