@@ -289,21 +289,36 @@ class Camera(_Table):
         vertical_fov_degrees: The vertical field of view, above 0, below 180 [default: 36].
         aperture_radius: 0 is a pinhole, which keeps everything in focus [default: 0].
         focus_distance: From the lens to the plane in focus [default: that of `look_at`].
-        focus_on: Instead of it, the name of a sphere.
+        focus_on: Instead of it, the name of a sphere, or "TABLE:ROW".
+        focus_on_pixel: Instead of it, the column and the row of a pixel.
         blades: Corners of the aperture, 3 to 64; 0 is a disk [default: 0].
         rotation_degrees: Turns a polygonal aperture, -360 to 360 [default: 0].
+        f_number: Instead of `aperture_radius`, that of a lens before a film 24 mm high.
+        meters_per_unit: With `f_number`, the length of a unit of the scene [default: 1].
+        fit: Places the camera so that it sees all that the scene shows; then without `position` and
+            `look_at` [default: False].
+        direction: With `fit`, from where: "iso", an axis such as "-y", "AZIMUTH,ELEVATION" in
+            degrees, or three numbers [default: "iso"].
+        margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
+            [default: 0.05].
     """
 
-    position: Vector
-    look_at: Vector
+    position: Vector | None = None
+    look_at: Vector | None = None
     up: Vector | None = None
     near: float | None = None
     vertical_fov_degrees: float | None = None
     aperture_radius: float | None = None
     focus_distance: float | None = None
     focus_on: str | None = None
+    focus_on_pixel: Sequence[int] | None = None
     blades: int | None = None
     rotation_degrees: float | None = None
+    f_number: float | None = None
+    meters_per_unit: float | None = None
+    fit: bool | None = None
+    direction: str | Vector | None = None
+    margin: float | None = None
 
 
 def ThinLens(
@@ -328,16 +343,25 @@ class Orthographic(_Table):
     Args:
         position: The middle of the plane from which the rays start.
         look_at: The point in the middle of the picture.
-        height: The height of the visible area.
+        height: The height of the visible area [default: what 36 degrees show at `look_at`].
         up: The direction that points up in the picture [default: as for `Camera`].
         near: Rays ignore what is nearer than this [default: 0].
+        fit: Places the camera so that it sees all that the scene shows; then without `position` and
+            `look_at` [default: False].
+        direction: With `fit`, from where: "iso", an axis such as "-y", "AZIMUTH,ELEVATION" in
+            degrees, or three numbers [default: "iso"].
+        margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
+            [default: 0.05].
     """
 
-    position: Vector
-    look_at: Vector
-    height: float
+    position: Vector | None = None
+    look_at: Vector | None = None
+    height: float | None = None
     up: Vector | None = None
     near: float | None = None
+    fit: bool | None = None
+    direction: str | Vector | None = None
+    margin: float | None = None
     _type = "orthographic"
 
 
@@ -352,14 +376,23 @@ class Panoramic(_Table):
         near: Rays ignore what is nearer than this [default: 0].
         horizontal_extent_degrees: Above 0, at most 360 [default: 360].
         vertical_extent_degrees: Above 0, at most 180 [default: 180].
+        fit: Places the camera so that it sees all that the scene shows; then without `position` and
+            `look_at` [default: False].
+        direction: With `fit`, from where: "iso", an axis such as "-y", "AZIMUTH,ELEVATION" in
+            degrees, or three numbers [default: "iso"].
+        margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
+            [default: 0.05].
     """
 
-    position: Vector
-    look_at: Vector
+    position: Vector | None = None
+    look_at: Vector | None = None
     up: Vector | None = None
     near: float | None = None
     horizontal_extent_degrees: float | None = None
     vertical_extent_degrees: float | None = None
+    fit: bool | None = None
+    direction: str | Vector | None = None
+    margin: float | None = None
     _type = "panoramic"
 
 
@@ -452,6 +485,7 @@ class Background(_Table):
         camera_visible: Whether the camera sees it; it lights the scene either way [default: True,
             unless transparent].
         transparent: Adds an alpha channel, 0 where the camera sees nothing [default: False].
+        backdrop: What the camera sees behind everything; it lights nothing [default: the background].
     """
 
     radiance: Color | None = None
@@ -462,7 +496,8 @@ class Background(_Table):
     up: Vector | None = None
     camera_visible: bool | None = None
     transparent: bool | None = None
-    _colors = ("radiance",)
+    backdrop: Color | None = None
+    _colors = ("radiance", "backdrop")
 
     def toml(self) -> dict[str, Any]:
         """The keys that are given, as the scene file has them."""
@@ -515,6 +550,8 @@ def camera_table(given: AnyCamera, up: list[int] | None = None) -> dict[str, Any
         raise TypeError(f"camera: expected {expected}, not {given!r}")
     table = given.toml()
     if up is not None and "up" not in table:
+        if not {"position", "look_at"} <= set(table):
+            return {**table, "up": up}
         along = [b - a for a, b in zip(table["position"], table["look_at"])]
         sideways = [one for one, axis in zip(along, up) if axis == 0]
         table["up"] = up if any(sideways) else [up[2], up[0], up[1]]
@@ -530,12 +567,15 @@ class Sphere(_Table):
         radius: From 1e-15 to 1e15.
         material: A material, or the name of one [default: `Diffuse()`].
         name: For messages, Cryptomatte and `Pick`.
+        shadow_catcher: Whether the camera sees only the shadow that others cast on it
+            [default: False].
     """
 
     center: Vector
     radius: float
     material: Material | str = dataclasses.field(default_factory=Diffuse)
     name: str | None = None
+    shadow_catcher: bool | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -551,6 +591,8 @@ class Spheres:
         ids: (n,) whole numbers from 0 to 4294967294 for the layer `sphere_id`, instead of rows of
             the scene.
         name: For Cryptomatte and messages.
+        color_space: What the numbers of `color` are: "linear", or "srgb" for those of screens and
+            colour maps [default: "linear"].
     """
 
     center: Any
@@ -560,3 +602,4 @@ class Spheres:
     emission: Any = None
     ids: Any = None
     name: str | None = None
+    color_space: str | None = None

@@ -117,6 +117,7 @@ class PartOptions(LookOptions, total=False):
     max_depth: int | None
     crop: tuple[int, int, int, int] | None
     noise: float | str | None
+    quality: str | None
     confidence: float | str | None
     max_spp: int | None
     time: float | str | None

@@ -36,6 +36,8 @@ class Scene:
         camera: A camera.
         background: One or several backgrounds such as `Sky()` and `Sun(...)`, a radiance, or a
             colour such as "white"; "none" is transparent [default: black].
+        light: Light by name, in place of that of a background: "softbox", "rembrandt", "cloudy" or
+            "sun"; or the table `light` of a scene file, such as {"preset": "sun", "strength": 2}.
         materials: Materials by name, for spheres that name theirs.
         image: The table `image` of a scene file, such as {"width": 800, "height": 600}.
         render: The table `render`, such as {"samples_per_pixel": 256}.
@@ -62,6 +64,7 @@ class Scene:
         *,
         camera: AnyCamera | None = None,
         background: AnyBackground | Sequence[AnyBackground] | None = None,
+        light: str | Mapping[str, Any] | None = None,
         materials: Mapping[str, Material] | None = None,
         image: Mapping[str, Any] | None = None,
         render: Mapping[str, Any] | None = None,
@@ -75,6 +78,8 @@ class Scene:
         document["camera"] = _Camera if camera is None else camera_table(camera)
         if background is not None:
             document["background"] = background_table(background)
+        if light is not None:
+            document["light"] = {"preset": light} if isinstance(light, str) else dict(light)
         named = {name: one.toml() for name, one in (materials or {}).items()}
         document["materials"] = named
         tables: list[Spheres] = []
@@ -82,6 +87,7 @@ class Scene:
             if isinstance(one, Spheres):
                 tables.append(_checked(one))
                 entry: dict[str, Any] = {"file": f"table-{len(tables)}.npy", "name": one.name}
+                entry["color_space"] = one.color_space
             elif isinstance(one, Sphere):
                 entry = one.toml()
             else:
@@ -234,7 +240,7 @@ class Scene:
         if not isinstance(samples, (list, tuple)) or len(samples) != 2:
             expected = "the first and the end, such as (0, 256)"
             raise TypeError(f"samples: expected {expected}, not {samples!r}")
-        if not {"spp", "noise", "time"} & set(given):
+        if not {"spp", "noise", "quality", "time"} & set(given):
             given["spp"] = samples[1]
         return self.start(samples=samples, **given).wait().part
 

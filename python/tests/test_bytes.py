@@ -82,7 +82,7 @@ def test_particles_are_rendered_until_they_are_good(in_folder: Path) -> None:
 
     write_xyz(Path("a.xyz"))
     done = command("render", "a.xyz", "--size", "64x48", "--no-run-figures", "-o", "cli.png")
-    assert "--noise '5%'" in done.stderr, done.stderr
+    assert "--quality good" in done.stderr, done.stderr
     render = ps.read("a.xyz").start(64, 48, no_run_figures=True, quiet=True)
     render.wait().save("python.png")
     assert Path("python.png").read_bytes() == Path("cli.png").read_bytes()

@@ -56,6 +56,24 @@ def test_classes_have_the_keys_of_the_schema() -> None:
     assert set(tables["spheres"]["items"]["properties"]) == keys_of(ps.Sphere)
 
 
+def test_fitted_cameras_light_by_name_and_shadow_catchers() -> None:
+    spheres = [ps.Sphere((0, 1, 0), 1), ps.Sphere((0, -100, 0), 100, shadow_catcher=True)]
+    for camera in (ps.Camera(fit=True), ps.Orthographic(fit=True, direction=(0, 1, 3)),
+                   ps.Panoramic(fit=True, margin=0.1)):
+        background = ps.Background(backdrop="white")
+        scene = ps.Scene(spheres, camera=camera, light="softbox", background=background)
+        picture = np.asarray(scene.render(32, 24, spp=16, quiet=True))
+        assert 0.05 < picture[12, 16].mean() < 0.95, "the ball is in the middle"
+        assert (picture[0, 0] == 1).all(), "white paper around it"
+    with pytest.raises(ps.Error, match="finds it"):
+        ps.Scene(spheres, camera=ps.Camera((0, 0, 9), (0, 0, 0), fit=True))
+    colors = np.full((2, 3), 0.5)
+    tables = [ps.Spheres(np.eye(3)[:2], 0.4, color=colors, color_space=space)
+              for space in ("linear", "srgb")]
+    hashes = {ps.Scene([table], camera=CAMERA).content_hash for table in tables}
+    assert len(hashes) == 2
+
+
 MATERIALS = [
     ps.Diffuse(0.7, roughness=0.5),
     ps.Mirror(),

@@ -148,7 +148,7 @@ fn import_with(
         ground,
         material,
         particles: particle_keys(&scene.description, &file, chosen),
-        samples: SAMPLES,
+        samples: samples(overrides),
     };
     let text = composition.text();
     let mut choices = Vec::new();
@@ -160,6 +160,12 @@ fn import_with(
     drop(sphere);
     let scene = read_text_reusing(name, &text, folder, overrides, scene)?;
     Ok(Import { text, scene, choices, notes })
+}
+
+/// The samples per pixel that an override asks for, or the usual number.
+fn samples(overrides: &[Override]) -> u32 {
+    let mut given = overrides.iter().rev().filter(|given| given.key == "render.samples_per_pixel");
+    given.next().and_then(|given| given.value.parse().ok()).unwrap_or(SAMPLES)
 }
 
 /// Returns true if the radius was chosen from distances, rather than found in the file.

@@ -56,11 +56,12 @@ fn an_imported_scene_renders_to_the_same_picture() {
     let desk = desk();
     let look = "--color c_pe --range p0,p100 --style dark --ortho --replicate 2,1,1 --cell";
     desk.run(&format!("render run.lammpstrj -o a.exr {SMALL} {look}")).succeeds();
-    desk.run(&format!("import run.lammpstrj -o scene.toml --size 48x36 {look}")).succeeds();
+    desk.run(&format!("import run.lammpstrj -o scene.toml --size 48x36 --spp 7 {look}")).succeeds();
     desk.run(&format!("render scene.toml -o b.exr {SMALL}")).succeeds();
     assert_eq!(channels(&desk, "a.exr"), channels(&desk, "b.exr"));
     let scene = String::from_utf8(desk.read("scene.toml")).expect("text");
-    for line in ["file = \"run.lammpstrj\"", "color = \"c_pe\"", "range = \"-3,-2.375\""] {
+    let keys = ["file = \"run.lammpstrj\"", "color = \"c_pe\"", "range = \"-3,-2.375\""];
+    for line in keys.into_iter().chain(["samples_per_pixel = 7"]) {
         assert!(scene.contains(line), "{scene}");
     }
 }
