@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Reads the recipes as rattler-build, Docker and Singularity do: what they name must be there.
 
 Needs py-rattler-build, dockerfile and spython, and the tarball's folder in target/packages. Nothing
@@ -39,8 +40,8 @@ def check_apptainer():
 
 
 def is_in_tarball(pattern):
-    """Whether the pattern is one folder of target/packages, with the program in it."""
-    folders = list(PACKAGES.glob(pattern.rstrip("/")))
+    """Whether the pattern is one folder of target/packages, or all in it, with the program."""
+    folders = list(PACKAGES.glob(pattern.removesuffix("/*")))
     return len(folders) == 1 and (folders[0] / "bin/photosphere").is_file()
 
 

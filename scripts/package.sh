@@ -27,7 +27,7 @@ cd "$repository"
 
 packages=target/packages
 version=$(sed -n '0,/^version = /s/^version = "\(.*\)"/\1/p' Cargo.toml)
-newest_glibc=2.28 largest_program=10000000 largest_crate=5000000
+newest_glibc=2.28 largest_tarball=10000000 largest_crate=5000000
 
 complain() {
     echo "scripts/package.sh: $*" >&2
@@ -152,14 +152,13 @@ make_tarball() {
     cp "$program" "$packages/photosphere"
     split_symbols "$packages/photosphere" "$packages/$name.debug"
     check_portable "$packages/photosphere"
-    check_size "$packages/photosphere" "$largest_program"
     install_program "$packages/photosphere" "$folder"
     rm "$packages/photosphere"
     tar -C "$packages" --sort=name --mtime="@$(epoch)" --owner=0 --group=0 --numeric-owner -c "$name" |
         gzip -9n >"$folder.tar.gz"
     notes >"$packages/NOTES.md"
     [[ -s $packages/NOTES.md ]] || complain "CHANGELOG.md says nothing about $version"
-    stat -c '%n: %s bytes' "$folder.tar.gz"
+    check_size "$folder.tar.gz" "$largest_tarball"
 }
 
 # ---- For a Debian, with its Embree ----
@@ -263,7 +262,7 @@ check_dependencies() {
 mkdir -p "$packages"
 find_rust || [[ ${1:-} == deb ]] || complain "no Rust $rust_minimum or newer"
 case "${1:-} $#" in
-'tarball 1' | 'tarball 2') make_tarball "${2:-release}" ;;
+'tarball 1' | 'tarball 2') make_tarball "${2:-ship}" ;;
 'deb 1') make_deb ;;
 'deb 2') make_deb_in_root "$2" ;;
 'crate 1') make_crate ;;
