@@ -204,6 +204,7 @@ fn one_layer(
             None
         }
         Shown::FalseColors(colors) => {
+            let colors = *colors;
             (picture.direct, picture.alpha) = (colors.pixels, colors.alpha);
             is_false = true;
             done.push(colors.done);

@@ -13,7 +13,7 @@ pub(super) enum Shown {
     /// Values that the format stores as they are, or light for the screen.
     Values(Vec<Rgb>),
     /// Numbers as colours.
-    FalseColors(FalseColorPicture),
+    FalseColors(Box<FalseColorPicture>),
 }
 
 impl Shown {
@@ -42,7 +42,7 @@ impl Shown {
             );
             return Err(Error::input(message).with_help("leave them out"));
         }
-        Ok(Self::FalseColors(match kind {
+        Ok(Self::FalseColors(Box::new(match kind {
             LayerKind::Number => {
                 false_color::numbers(&layer.name, &layer.numbers(), source.size, options)?
             }
@@ -54,6 +54,6 @@ impl Shown {
                 let name = format!("luminance of {}", layer.name);
                 false_color::numbers(&name, &values, source.size, options)?
             }
-        }))
+        })))
     }
 }
