@@ -29,6 +29,9 @@ _REACH, _MIN_REACH = 1.2, 0.4
 #: Beads along a stick, in radii.
 _STEP = 0.25
 
+#: What is behind balls and sticks: white would hide hydrogen.
+_BACKDROP = "#94a8b9"
+
 #: From this number of beads on, a warning says how many there are.
 _MANY = 2_000_000
 
@@ -66,6 +69,7 @@ def with_bonds(
     made = Made(centers, cell=atoms.cell, unit=atoms._unit, **columns)
     made._atoms = atoms, rows.astype(np.uint32)
     options.setdefault("color", "element")
+    options.setdefault("background", _BACKDROP)
     return made, {**options, "radius": "radius"}
 
 

@@ -79,6 +79,17 @@ def test_radii_of_balls(radius: Any, expected: float) -> None:
     assert particles["radius"][-1] == pytest.approx(0.14)
 
 
+def test_hydrogen_is_seen_before_the_background() -> None:
+    atoms = ps.Particles(np.array([[0.0, 0, 0], [0, 0, 1.1]]), element=["C", "H"])
+    look: dict[str, Any] = {"style": "ball-and-stick", "view": "-y", "no_legend": True, **SMALL}
+    picture = atoms.render(layers=["row"], **{**look, "spp": 64})
+    light = np.asarray(picture).mean(axis=2)
+    hydrogen, behind = light[picture["row"] == 1].mean(), light[:8].mean()
+    assert hydrogen > 1.5 * behind
+    white = atoms.scene(style="ball-and-stick", background="white")
+    assert white.content_hash != atoms.scene(style="ball-and-stick").content_hash
+
+
 def test_wrong_radii_of_balls() -> None:
     with pytest.raises(ValueError, match="radius: row 0 is -1"):
         chain(size=-np.ones(6)).scene(style="ball-and-stick", radius="size")
