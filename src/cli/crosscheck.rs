@@ -124,9 +124,9 @@ fn table(results: &[CrosscheckResult]) -> String {
         text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, &error]);
     }
     let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
-    text += "ambig.: answers that rounding leaves open; passed: of these, the ones passed over for\n\
-             another sphere; dist., sides, occl.: wrong distances, sides and occlusions;\n\
-             t error: the largest error of a distance, relative to the tolerance\n";
+    text += "ambig.: answers that rounding leaves open; passed: of these, the ones that were\n\
+             passed over for another sphere; dist., sides, occl.: wrong distances, sides and\n\
+             occlusions; t error: the largest error of a distance, relative to the tolerance\n";
     text += &match failures {
         0 => "every answer is within the stated tolerance\n".to_owned(),
         _ => format!("{} beyond the stated tolerance\n", print::count(failures, "answer")),

@@ -60,6 +60,14 @@ impl NoiseTarget {
         self.display.map(|view| DisplayScale::new(view, self.error))
     }
 
+    /// An error in the unit of the target: `1.23 %`, or `3.1 of 255` of displayed values.
+    pub fn format_error(&self, error: f64) -> String {
+        match self.display {
+            None => format_percent(error),
+            Some(_) => format!("{:.1} of 255", 255.0 * error),
+        }
+    }
+
     /// Checks that both numbers are in (0, 1).
     ///
     /// # Errors
@@ -74,6 +82,16 @@ impl NoiseTarget {
             "the noise target of {error} for {confidence} of the values is not in (0, 1)"
         )))
     }
+}
+
+/// Formats a fraction as a percentage with three digits: `1.23 %`.
+fn format_percent(fraction: f64) -> String {
+    let decimals = match 100.0 * fraction {
+        x if x < 9.995 => 2,
+        x if x < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{:.decimals$} %", 100.0 * fraction)
 }
 
 /// As in "0.01 for 0.95 of the values", and "2 of 255 shown for 0.95 of the values".

@@ -128,29 +128,19 @@ impl From<&NoiseProgress> for NoiseStatus {
 impl fmt::Display for NoiseStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { target, tiles, tiles_converged, worst_error } = self;
-        let target = format_percent(target.error);
+        let error = target.format_error(target.error);
         write!(
             f,
-            "the noise target of {target} is not met in {} of {tiles} tiles; ",
+            "the noise target of {error} is not met in {} of {tiles} tiles; ",
             tiles - tiles_converged
         )?;
         match worst_error {
             Some(worst_error) => {
-                write!(f, "the worst has an error of {}", format_percent(*worst_error))
+                write!(f, "the worst has an error of {}", target.format_error(*worst_error))
             }
             None => f.write_str("their errors are not known yet"),
         }
     }
-}
-
-/// Formats a fraction as a percentage with three digits: `1.23 %`.
-pub(crate) fn format_percent(fraction: f64) -> String {
-    let decimals = match 100.0 * fraction {
-        x if x < 9.995 => 2,
-        x if x < 99.95 => 1,
-        _ => 0,
-    };
-    format!("{:.decimals$} %", 100.0 * fraction)
 }
 
 /// The film's window within the full picture; `None` if the film covers all of it.

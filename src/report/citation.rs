@@ -231,14 +231,16 @@ fn version(metadata: &Metadata) -> String {
 
 fn error(metadata: &Metadata) -> Option<String> {
     let run = metadata.run.as_ref()?;
-    let share = run.noise.map_or(NoiseTarget::CONFIDENCE, |noise| noise.confidence);
+    let target = run.noise.unwrap_or(NoiseTarget::new(0.01));
+    let share = target.confidence;
     // Digits without those that only the binary form has.
     let share = (1e8 * share).round() / 1e6;
-    Some(format!(
-        "The estimated error of {share} % of the pixel values is below {} of the pixel's \
-         brightness.",
-        percent(run.error?)
-    ))
+    let error = run.error?;
+    let (error, unit) = match target.display {
+        None => (percent(error), "of the pixel's brightness"),
+        Some(_) => (target.format_error(error), "as displayed"),
+    };
+    Some(format!("The estimated error of {share} % of the pixel values is below {error} {unit}."))
 }
 
 fn bias(metadata: &Metadata) -> Option<String> {

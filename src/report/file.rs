@@ -128,9 +128,9 @@ impl FileRecords {
             "layers" | "column-layers" => join_list(&record_value(record)),
             "noise" => run.and_then(|run| run.noise).map(|noise| record_text::noise(&noise)),
             "error" => run.and_then(|run| {
-                let confidence =
-                    run.noise.map_or(NoiseTarget::CONFIDENCE, |noise| noise.confidence);
-                Some(record_text::error(run.error?, confidence))
+                // Without a target, only its confidence matters.
+                let target = run.noise.unwrap_or(NoiseTarget::new(0.01));
+                Some(record_text::error(run.error?, &target))
             }),
             "rays" => run.map(|run| record_text::rays(run.rays)),
             "seconds" => run.map(|run| record_text::seconds(run.seconds)),

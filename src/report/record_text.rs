@@ -16,7 +16,13 @@ const MAX_LINES: usize = 120;
 /// A noise target: `5.00 % for 95 % of the values`.
 pub(super) fn noise(target: &NoiseTarget) -> String {
     // A confidence such as 99.9 % keeps its digits.
-    format!("{} for {} % of the values", percent(target.error), rounded(100.0 * target.confidence))
+    let share = rounded(100.0 * target.confidence);
+    match target.display {
+        None => format!("{} for {share} % of the values", percent(target.error)),
+        Some(_) => {
+            format!("{} shown, for {share} % of the values", target.format_error(target.error))
+        }
+    }
 }
 
 /// Digits without those that only the binary form has.
@@ -29,10 +35,13 @@ fn five_digits(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
-/// The error that a render reached, for a fraction of the values.
-pub(super) fn error(error: f64, confidence: f64) -> String {
-    let share = rounded(100.0 * confidence);
-    format!("{} of the brightness, for {share} % of the values", percent(error))
+/// The error that a render reached, for the fraction of the values of its target.
+pub(super) fn error(error: f64, target: &NoiseTarget) -> String {
+    let share = rounded(100.0 * target.confidence);
+    match target.display {
+        None => format!("{} of the brightness, for {share} % of the values", percent(error)),
+        Some(_) => format!("{} shown, for {share} % of the values", target.format_error(error)),
+    }
 }
 
 /// Rays: `12.3 million`.
@@ -163,7 +172,10 @@ mod tests {
         assert_eq!(noise(&NoiseTarget::new(0.05)), "5.00 % for 95 % of the values");
         let strict = NoiseTarget { error: 0.002, confidence: 0.999, display: None };
         assert_eq!(noise(&strict), "0.20 % for 99.9 % of the values");
-        assert_eq!(error(0.0493, 0.95), "4.93 % of the brightness, for 95 % of the values");
+        assert_eq!(
+            error(0.0493, &NoiseTarget::new(0.1)),
+            "4.93 % of the brightness, for 95 % of the values"
+        );
     }
 
     #[test]

@@ -105,10 +105,12 @@ fn pictures_of_parts_with_gaps_say_what_they_hold_and_come_out_again() {
         "{told}"
     );
     assert_eq!(info.row("samples"), "0..16, 32..57");
-    let parts = "\nparts:\n    0,0,16,12: 0..16\n    0,0,16,12: 32..57\n";
+    let parts =
+        "\nparts:\n    pixels 0,0,16,12: samples 0 to 16\n    pixels 0,0,16,12: samples 32 to 57\n";
     assert!(info.stdout.contains(parts), "{}", info.stdout);
     let (_, info) = merge("left.part right.part", "ragged");
-    let parts = "\nparts:\n    0,0,9,12: 0..16\n    9,0,16,12: 16..48\n";
+    let parts =
+        "\nparts:\n    pixels 0,0,9,12: samples 0 to 16\n    pixels 9,0,16,12: samples 16 to 48\n";
     assert!(info.stdout.contains(parts), "{}", info.stdout);
     // Without a gap nothing is said of parts.
     render("-o b.part --layers direct,sample_count,variance,depth --samples 16..32");

@@ -29,14 +29,14 @@ fn a_noise_target_is_met_and_the_file_says_how() {
 #[test]
 fn a_quality_is_reached_where_a_noise_target_would_go_on() {
     let desk = Desk::new(SCENE);
-    let render = "render scene.toml --accel native --no-run-figures --json -o a.exr";
+    let render = "render scene.toml --accel native --json -o a.exr";
     let good = desk.run(&format!("{render} --quality good")).succeeds().json();
     assert_eq!(good["noise"]["tiles_converged"], 1);
     assert!(good["noise"]["display"].is_object(), "{good}");
     let preview = desk.run(&format!("{render} --quality preview")).succeeds().json();
     assert!(preview["samples"].as_u64() <= good["samples"].as_u64());
     let info = desk.run("info a.exr").succeeds();
-    assert!(info.stdout.contains("of 255 shown"), "{}", info.stdout);
+    assert!(info.row("noise") == "12.0 of 255 shown, for 90 % of the values", "{}", info.stdout);
     for wrong in ["--quality good --noise 1%", "--quality good --spp 4", "--quality best"] {
         desk.run(&format!("{render} {wrong}")).fails(2, &[]);
     }

@@ -231,10 +231,12 @@ fn the_story_has_words_for_what_dims_and_for_what_is_not_there() {
     for pixel in ["5,6", "9,5", "8,7"] {
         all += &trace(&desk, &format!("--pixel {pixel} {veils}")).succeeds().stdout;
     }
+    assert!(all.lines().all(|line| line.len() <= 80), "{all}");
+    let all = all.split_whitespace().collect::<Vec<_>>().join(" ");
     for told in [
-        "; opacity 0.5\n",
+        "; opacity 0.5 ",
         "transparent for this path: passes straight through",
-        "partly occluded: V = (0.6, 0.6, 0.6)\n   + T f_r |cos| L_e V w / p = (",
+        "partly occluded: V = (0.6, 0.6, 0.6) + T f_r |cos| L_e V w / p = (",
         "(indirect; scaled by 0.",
     ] {
         assert!(all.contains(told), "`{told}` is not in\n{all}");

@@ -3,8 +3,8 @@
 //!
 //! Where a camera ray hits one, the picture shows what is behind everything, with the opacity of
 //! the shadow: the share of the direct light of the point that is blocked. Light counts by what it
-//! would send to a white diffuse surface. The share is estimated by one shadow ray to a light that is
-//! chosen among some candidates in proportion to what each would send (resampled importance
+//! would send to a white diffuse surface. The share is estimated by one shadow ray to a light that
+//! is chosen among some candidates in proportion to what each would send (resampled importance
 //! sampling; Talbot, Cline and Egbert 2005). The candidates come from light sampling and from the
 //! cosine, weighted by the balance heuristic. Their number is finite, so that the share is off by
 //! what their total varies: little, as light sampling is nearly proportional to what arrives.
