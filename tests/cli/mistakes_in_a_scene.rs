@@ -88,8 +88,15 @@ fn a_picture_without_light_or_spheres_is_warned_of() {
 fn a_new_type_leaves_out_the_keys_of_the_old_one() {
     let desk = Desk::new(SCENE);
     let shown = desk.run("info scene.toml --json --set camera.type=orthographic").succeeds();
-    let note = "`camera.vertical_fov_degrees` of the scene is left out: it belongs to another type";
+    let note =
+        "`camera.vertical_fov_degrees` of the scene is left out: it does not go with this `type`";
     assert!(shown.stderr.contains(note), "{}", shown.stderr);
+    let fitted = desk.run("info scene.toml --set camera.fit=true").succeeds();
+    for key in ["position", "look_at"] {
+        let note =
+            format!("`camera.{key}` of the scene is left out: it does not go with this `fit`");
+        assert!(fitted.stderr.contains(&note), "{}", fitted.stderr);
+    }
     let glass = "render scene.toml -o a.png --spp 1 --quiet --set materials.grass.type=dielectric \
                  --set materials.grass.ior=1.5";
     let told = desk.run(glass).succeeds().stderr;

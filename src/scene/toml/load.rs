@@ -184,11 +184,11 @@ fn read_from(
     let mut report = Diagnostics::new(name, text);
     let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
     let places = ErrorLocator { diagnostics: report, overrides: options };
-    let (description, settings, survey, taken) = {
+    let (description, settings, survey, notes) = {
         let ErrorLocator { diagnostics: report, .. } = &places;
         let mut table = document::parse(text, report);
         let integrator_of_file = document::string_at(&table, ["render", "integrator"]);
-        let taken = places.apply_overrides(&mut table);
+        let notes = places.apply_overrides(&mut table);
         let (mut description, settings) =
             read(&table, integrator_of_file.as_deref(), folder.named, report);
         folder.find_files(&mut description);
@@ -200,7 +200,7 @@ fn read_from(
         let survey = ImportPlan::scan_with(&mut description, earlier, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
-        (description, settings, survey, taken)
+        (description, settings, survey, notes)
     };
     check_count(survey.sphere_count(&description))?;
     let source = SceneSource {
@@ -211,9 +211,6 @@ fn read_from(
         text_hash: ContentHash::of_bytes(text.as_bytes()),
         overrides: overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
     };
-    let note =
-        |key: String| format!("`{key}` of the scene is left out: it belongs to another type");
-    let notes = taken.into_iter().map(note).collect();
     Ok(SceneFile { description, settings, notes, source, import_plan: survey, locator: places })
 }
 
@@ -272,7 +269,7 @@ impl SceneFile {
 }
 
 impl ErrorLocator {
-    /// Applies the overrides; returns the paths of keys that they take away.
+    /// Applies the overrides; returns notes on the keys that they take away.
     fn apply_overrides<'t>(&'t self, table: &mut DeTable<'t>) -> Vec<String> {
         let apply = |option: &'t ParsedOverride| option.apply(table, &self.diagnostics);
         self.overrides.iter().flat_map(apply).collect()

@@ -89,7 +89,7 @@ impl ParsedOverride {
     }
 
     /// Writes the value into the document. A new `type` takes away the keys of the file that only
-    /// other types have; returns their paths.
+    /// other types have, and `fit` what it finds by itself; returns a note for each.
     pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Diagnostics) -> Vec<String> {
         self.try_apply(root, report).unwrap_or_else(|wrong| {
             report.add(wrong);
@@ -112,10 +112,20 @@ impl ParsedOverride {
         match place {
             Container::Table(table) => {
                 table.remove(&*last.name);
-                let taken = match (&*last.name, value.get_ref().as_str()) {
-                    ("type", Some(name)) => take_other_types(table, way, name, report),
+                let taken = match (&*last.name, value.get_ref()) {
+                    ("type", DeValue::String(name)) => take(table, report, &other_types(way, name)),
+                    ("fit", DeValue::Boolean(true)) if dotted(way) == "camera" => {
+                        take(table, report, &["position", "look_at", "height"])
+                    }
                     _ => Vec::new(),
                 };
+                let note = |key: &str| {
+                    let (way, last) = (dotted(way), &last.name);
+                    format!(
+                        "`{way}.{key}` of the scene is left out: it does not go with this `{last}`"
+                    )
+                };
+                let taken = taken.into_iter().map(note).collect();
                 let key = toml::Spanned::new(self.key_span.clone(), last.name.clone().into());
                 table.insert(key, value);
                 return Ok(taken);
@@ -265,25 +275,24 @@ struct KeySegment {
     is_quoted: bool,
 }
 
-/// Removes the keys that the file has and that only other types of the table than `name` have.
-fn take_other_types(
-    table: &mut DeTable<'_>,
-    way: &[KeySegment],
-    name: &str,
-    report: &Diagnostics,
-) -> Vec<String> {
-    let path = dotted(way);
-    let kind = match way {
-        [only] if only.name == "camera" => "camera",
-        [first, _] if first.name == "materials" => "materials.NAME",
-        _ => return Vec::new(),
-    };
-    let mut others = of_other_types(kind, name);
-    others.retain(|key| table.get(*key).is_some_and(|node| report.is_in_file(&node.span())));
-    others.iter().for_each(|key| {
+/// The keys that only other types than `name` have, in a table that has types.
+fn other_types(way: &[KeySegment], name: &str) -> Vec<&'static str> {
+    match way {
+        [only] if only.name == "camera" => of_other_types("camera", name),
+        [first, _] if first.name == "materials" => of_other_types("materials.NAME", name),
+        _ => Vec::new(),
+    }
+}
+
+/// Removes those of the keys that the file has; returns them.
+fn take<'k>(table: &mut DeTable<'_>, report: &Diagnostics, keys: &[&'k str]) -> Vec<&'k str> {
+    let is_of_file =
+        |key: &&&str| table.get(**key).is_some_and(|node| report.is_in_file(&node.span()));
+    let taken: Vec<&str> = keys.iter().filter(is_of_file).copied().collect();
+    taken.iter().for_each(|key| {
         table.remove(*key);
     });
-    others.into_iter().map(|key| format!("{path}.{key}")).collect()
+    taken
 }
 
 fn dotted(path: &[KeySegment]) -> String {
