@@ -45,6 +45,6 @@ fn generated(folder: &Path) -> std::path::PathBuf {
     write_rows(&recipe, &mut table, &|_| {}).expect("memory takes it");
     let (table_path, path) = (folder.join("gas.f32"), folder.join("gas.toml"));
     fs::write(&table_path, table).expect("the folder takes files");
-    fs::write(&path, scene_text(&recipe, &table_path)).expect("the folder takes files");
+    fs::write(&path, scene_text(&recipe, &table_path, false)).expect("the folder takes files");
     path
 }
