@@ -208,7 +208,7 @@ impl CameraDescription {
     }
 
     /// From what the picture shows to the camera; any length.
-    pub(super) fn to_camera(&self) -> DVec3 {
+    pub(super) fn direction_to_camera(&self) -> DVec3 {
         match self.fit {
             Some(fit) => fit.direction.towards(normalize_robust(self.up).unwrap_or(DVec3::Y)),
             None => self.position - self.look_at,

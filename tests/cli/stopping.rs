@@ -38,7 +38,7 @@ fn a_quality_is_reached_where_a_noise_target_would_go_on() {
     let info = desk.run("info a.exr").succeeds();
     assert!(info.row("noise") == "12.0 of 255 shown, for 90 % of the values", "{}", info.stdout);
     for wrong in ["--quality good --noise 1%", "--quality good --spp 4", "--quality best"] {
-        desk.run(&format!("{render} {wrong}")).fails(2, &[]);
+        desk.run(&format!("render scene.toml -o a.exr {wrong}")).fails(2, &[]);
     }
 }
 

@@ -78,9 +78,8 @@ fn told(text: &str, options: &[&str]) -> String {
 
 /// The ids of the spheres that some ray of a grid over the picture hits, each by itself.
 fn seen(scene: &Scene, settings: &Settings, margin: f64) -> Vec<u32> {
-    let prepared = PreparedScene::new(scene, settings.clone()).expect("a good scene");
-    let [width, height] =
-        [settings.image.width, settings.image.height].map(|pixels| f64::from(pixels));
+    let prepared = PreparedScene::new(scene, *settings).expect("a good scene");
+    let [width, height] = [settings.image.width, settings.image.height].map(f64::from);
     let steps = 400;
     let is_hit = |id: &u32| {
         let sphere = scene.spheres().sphere(*id);

@@ -3,8 +3,8 @@
 /// Columns of a terminal.
 const WIDTH: usize = 80;
 
-/// Breaks each line longer than a terminal at the last comma, semicolon or plus sign outside of
-/// brackets that fits; what follows is indented further.
+/// Breaks each line longer than a terminal at the last comma, semicolon, sign or remark outside
+/// of brackets that fits; what follows is indented further.
 pub(super) fn fold(text: &str) -> String {
     let mut folded = String::with_capacity(text.len() + text.len() / 16);
     for line in text.lines() {
@@ -26,19 +26,25 @@ fn break_of(line: &str, indent: usize) -> Option<usize> {
     if line.chars().count() <= WIDTH {
         return None;
     }
-    let (mut depth, mut found, mut last) = (0, None, ' ');
+    let (mut depth, mut found) = (0, None);
+    let mut before = [' '; 2];
     for (column, (at, c)) in line.char_indices().enumerate() {
         if column > WIDTH {
             break;
         }
+        let is_free = depth == 0 && at > indent;
+        match (before, c) {
+            ([_, ',' | ';' | ':'], ' ') | ([_, ' '], '+' | '=') | ([')', ' '], '(') if is_free => {
+                found = Some(at);
+            }
+            _ => {}
+        }
         match c {
             '(' => depth += 1,
             ')' => depth -= 1,
-            ' ' if depth == 0 && at > indent && matches!(last, ',' | ';' | ':') => found = Some(at),
-            '+' | '=' if depth == 0 && at > indent && last == ' ' => found = Some(at),
             _ => {}
         }
-        last = c;
+        before = [before[1], c];
     }
     found
 }

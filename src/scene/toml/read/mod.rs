@@ -55,7 +55,7 @@ pub(super) fn read(
         let camera = root.section("camera", |table| camera::read(table, &spheres, &table_names));
         let light = root.section_if_present("light", |table| background::read_light(table, root));
         if let Some((preset, strength)) = light.flatten() {
-            preset.light(&mut background, camera.to_camera(), strength);
+            preset.light(&mut background, camera.direction_to_camera(), strength);
         }
         let render =
             root.optional_section("render", |table| render::read(table, integrator_of_file));
