@@ -55,11 +55,13 @@ fn what_cannot_be_denoised_is_refused() {
     }
 }
 
-/// Mean squared difference of a layer from the beauty of another picture.
+/// Mean squared difference of a layer from the beauty of another picture, relative to the latter, so
+/// that the edge of the lamp does not outweigh all else.
 fn error(image: &LayeredImage, layer: &str, truth: &LayeredImage) -> f32 {
     let pixels = image.layer(layer).expect(layer).pixels.iter();
     let truth = &truth.layer(BEAUTY).expect("the picture").pixels;
-    let squares = pixels.zip(truth).map(|(a, b): (&Rgb, &Rgb)| (*a - *b).length_squared());
+    let relative = |(a, b): (&Rgb, &Rgb)| (*a - *b).length_squared() / (b.length_squared() + 0.03);
+    let squares = pixels.zip(truth).map(relative);
     squares.sum::<f32>() / truth.len() as f32
 }
 
