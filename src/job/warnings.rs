@@ -15,7 +15,7 @@ pub fn scene_warnings(scene: &Scene, settings: &Settings) -> Vec<String> {
     let mut warnings = Vec::new();
     if nothing_shines(scene, settings) {
         warnings.push(
-            "nothing shines, so the picture will be black: add `[light]` with `preset = \"softbox\"`, \
+            "nothing shines, so that all spheres will be black: add `[light]` with `preset = \"softbox\"`, \
              a radiance to `[background]`, or emission to a material"
                 .to_owned(),
         );
@@ -51,7 +51,7 @@ fn nothing_shines(scene: &Scene, settings: &Settings) -> bool {
             | IntegratorSettings::Normals
             | IntegratorSettings::Raycast { .. }
     );
-    shows_light && scene.max_radiance() == 0.0
+    shows_light && !scene.has_light()
 }
 
 /// Returns true if certainly no sphere reaches into the view.

@@ -1,7 +1,7 @@
 //! Places a camera that is fitted to what the scene shows, and focuses a lens on what was named.
 //!
-//! A scene shows its tables, and its single spheres except lamps and those so much larger than all
-//! the rest that they must be a ground or a wall.
+//! A scene shows its tables, and its single spheres except lamps, shadow catchers and those so much
+//! larger than all the rest that they must be a ground or a wall.
 
 use rayon::prelude::*;
 
@@ -65,13 +65,16 @@ impl<'a> Subjects<'a> {
         let description = scene.description();
         let origin = scene.spheres().origin();
         let singles = &description.spheres;
-        let is_lamp = |row: usize| scene.materials()[singles[row].material].is_emissive();
+        let is_hidden = |row: usize| {
+            let single = &singles[row];
+            single.shadow_catcher || scene.materials()[single.material].is_emissive()
+        };
         let is_in_table = |id: &u32| scene.spheres().row(*id) as usize >= singles.len();
         let bounds_of = |id| Bounds::of(&scene.spheres().sphere(id));
         let ids = (0..scene.spheres().len() as u32).into_par_iter();
         let tables =
             ids.filter(is_in_table).map(bounds_of).reduce(|| Bounds::NOTHING, Bounds::merge);
-        let mut shown: Vec<usize> = (0..singles.len()).filter(|&row| !is_lamp(row)).collect();
+        let mut shown: Vec<usize> = (0..singles.len()).filter(|&row| !is_hidden(row)).collect();
         if shown.is_empty() && tables.is_empty() {
             shown = (0..singles.len()).collect();
         }
@@ -149,7 +152,7 @@ impl Scene {
     }
 
     /// The lowest and the highest corner of a box around what the scene shows: tables, and single
-    /// spheres except lamps and grounds. In the user's coordinates.
+    /// spheres except lamps, shadow catchers and grounds. In the user's coordinates.
     pub fn subject_bounds(&self) -> [DVec3; 2] {
         let Bounds(corners) = Subjects::of(self).bounds;
         corners.map(|corner| corner + self.spheres().origin())

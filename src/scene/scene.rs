@@ -192,6 +192,11 @@ impl Scene {
         brightest.min(f32::MAX)
     }
 
+    /// Returns true if something lights the scene: an emitter or the background.
+    pub fn has_light(&self) -> bool {
+        self.emitter_count() > 0 || self.background.max_radiance() > 0.0
+    }
+
     /// What a camera ray that misses all spheres sees in place of this radiance of the background.
     pub fn seen_by_camera(&self, radiance: Rgb) -> Rgb {
         let background = &self.description.background;

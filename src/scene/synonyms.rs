@@ -15,7 +15,8 @@ const KEYS: &[(&str, &[&str], &str)] = &[
     ("camera", &["fstop", "f_stop", "fnumber"], "f_number"),
     ("camera", &["focal_distance", "focus_dist", "focus"], "focus_distance"),
     ("camera", &["projection", "model", "kind"], "type"),
-    ("camera", &["ortho_scale", "parallel_scale", "zoom"], "height"),
+    ("camera", &["ortho_scale", "parallel_scale"], "height"),
+    ("camera", &["zoom"], "vertical_fov_degrees, or height of parallel rays"),
     ("image", &["size", "resolution", "res", "resx", "xres"], "width and height"),
     (
         "materials",
@@ -71,7 +72,10 @@ const KEYS: &[(&str, &[&str], &str)] = &[
         "[background.sky], [background.sun] or [background.image]",
     ),
     ("", &["film", "resolution", "output", "picture"], "[image]"),
-    ("", &["settings", "sampler", "integrator", "options"], "[render]"),
+    ("", &["settings", "options"], "[render]"),
+    ("", &["integrator"], "integrator in [render]"),
+    ("", &["sampler"], "sampler in [render]"),
+    ("", &["paper"], "[render.paper]"),
     ("", &["sensor", "view"], "[camera]"),
     ("", &["tables", "table", "points", "cloud"], "[[sphere_tables]] or [[particles]]"),
 ];

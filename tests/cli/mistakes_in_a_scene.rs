@@ -77,6 +77,8 @@ fn a_picture_without_light_or_spheres_is_warned_of() {
     let dark = said("radiance = [0.5, 0.6, 0.7]", "radiance = [0, 0, 0]");
     assert!(dark.iter().all(|told| told.contains("warning: nothing shines")), "{dark:?}");
     assert!(dark[0].contains("warning: the picture is black"), "{}", dark[0]);
+    let paper = said("radiance = [0.5, 0.6, 0.7]", "backdrop = \"white\"");
+    assert!(paper.iter().all(|told| told.contains("warning: nothing shines")), "{paper:?}");
     let away = said("look_at = [0.0, 1.5, 0.0]", "look_at = [1.0, 90.0, 19.0]");
     assert!(away.iter().all(|told| told.contains("no sphere is in view")), "{away:?}");
     assert!(away[0].contains("one colour everywhere"), "{}", away[0]);

@@ -119,6 +119,14 @@ fn every_kind_of_camera_sees_all_but_the_ground_and_the_lamp() {
 }
 
 #[test]
+fn shadow_catchers_are_not_what_is_shown() {
+    let caught = BALLS.replace("name = \"ball\"", "name = \"ball\"\nshadow_catcher = true");
+    let [_, high] = built(&caught, &[]).0.subject_bounds();
+    let [_, all] = built(BALLS, &[]).0.subject_bounds();
+    assert!((all.x, high.x) == (2.0, 1.5), "{high} of {all}");
+}
+
+#[test]
 fn a_fitted_camera_is_the_one_that_it_prints() {
     for options in TYPES {
         let (scene, settings) = built(BALLS, options);

@@ -57,7 +57,7 @@ pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
     }
     draw_vertices(&mut canvas, &sketch, &view);
     canvas.leave_window();
-    draw_legend(&mut canvas, prepared, trace, &view);
+    draw_legend(&mut canvas, prepared, trace, &sketch, &view);
     canvas.finish()
 }
 
@@ -168,18 +168,29 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
     }
 }
 
-/// Draws the line styles, the sample's position, and a scale bar of a round length.
-fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace, view: &SideView) {
+/// Draws the styles of the lines that there are, the sample's position, and a scale bar of a round length.
+fn draw_legend(
+    canvas: &mut Canvas,
+    prepared: &PreparedScene,
+    trace: &PathTrace,
+    sketch: &Sketch,
+    view: &SideView,
+) {
     let mut position = DVec2::new(16.0, view.window.y + 24.0);
     let end = DVec2::new(view.window.x - 16.0, position.y);
     let unit = view.round_length();
     canvas.line("bar", end - DVec2::X * unit * view.scale, end);
-    canvas.text("", "end", end + DVec2::Y * 20.0, &format!("{} units", number(unit)));
+    canvas.text(
+        "",
+        "end",
+        end + DVec2::Y * 20.0,
+        &format!("{} unit{}", number(unit), if unit == 1.0 { "" } else { "s" }),
+    );
     let address = trace.address;
     let [r, g, b] = (trace.radiance.direct + trace.radiance.indirect).to_array();
     let [r, g, b] = [r, g, b].map(|v| number(f64::from(v)));
     let sample = format!(
-        "pixel {}, {}, sample {}, seed {}: L_o = ({r}, {g}, {b})",
+        "seen from the side; pixel {}, {}, sample {}, seed {}: L_o = ({r}, {g}, {b})",
         address.x,
         address.y,
         address.sample,
@@ -188,10 +199,11 @@ fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace,
     canvas.text("small", "start", position + DVec2::Y * 27.0, &sample);
     let entries = [
         ("path", "path"),
-        ("unoccluded", "light that arrives"),
-        ("occluded", "light that is blocked (x)"),
+        ("unoccluded", "towards light that arrives"),
+        ("occluded", "towards light that is blocked (x)"),
     ];
-    for (class, text) in entries {
+    let is_drawn = |(class, _): &(&str, &str)| sketch.lines.iter().any(|line| line.class == *class);
+    for (class, text) in entries.into_iter().filter(is_drawn) {
         canvas.line(class, position, position + DVec2::X * 32.0);
         canvas.text("", "start", position + DVec2::new(40.0, 4.5), text);
         position.x += 64.0 + 7.2 * text.len() as f64;

@@ -18,13 +18,16 @@ pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
     let address = trace.address;
     let render = prepared.render_settings();
     let mut text = format!(
-        "pixel {}, {}, sample {} of {}, seed {}, integrator {}\n\n",
+        "pixel {}, {}, sample {} of {}, seed {}, integrator {}, estimator {}, sampler {}, caustics {}\n\n",
         address.x,
         address.y,
         address.sample,
         render.samples_per_pixel,
         render.seed,
-        render.integrator.kind().name()
+        render.integrator.kind().name(),
+        render.estimator.name(),
+        render.sampler.name(),
+        render.caustics.name()
     );
     let mut vertex = 0;
     for (index, event) in trace.events.iter().enumerate() {
