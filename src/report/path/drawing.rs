@@ -168,7 +168,8 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
     }
 }
 
-/// Draws the styles of the lines that there are, the sample's position, and a scale bar of a round length.
+/// Draws the styles of the lines that there are, the sample's position, and a scale bar of a round
+/// length.
 fn draw_legend(
     canvas: &mut Canvas,
     prepared: &PreparedScene,
