@@ -55,8 +55,8 @@ fn what_cannot_be_denoised_is_refused() {
     }
 }
 
-/// Mean squared difference of a layer from the beauty of another picture, relative to the latter, so
-/// that the edge of the lamp does not outweigh all else.
+/// Mean squared difference of a layer from the beauty of another picture, relative to the latter,
+/// so that the edge of the lamp does not outweigh all else.
 fn error(image: &LayeredImage, layer: &str, truth: &LayeredImage) -> f32 {
     let pixels = image.layer(layer).expect(layer).pixels.iter();
     let truth = &truth.layer(BEAUTY).expect("the picture").pixels;
