@@ -78,14 +78,14 @@ await() {
 kept() {
     [[ -e $1 ]] || { echo 0; return; }
     "$PHOTOSPHERE" merge "$1" -o "$root/check.part" --allow-gaps --quiet 2>>"$root/messages" || return
-    # The picture has 48 tiles; where they differ, `counts` lists runs such as 2x96 or 80.
-    "$PHOTOSPHERE" info "$root/check.part" 2>>"$root/messages" | awk '
-        $1 == "samples" { split($2, range, "[.][.]"); total = 48 * (range[2] - range[1]) }
-        $1 == "counts" {
-            total = 0
-            for (i = 2; i <= NF; i++) total += split($i, run, "x") == 2 ? run[1] * run[2] : run[1]
+    # The picture has 48 tiles; where they differ, `counts` lists runs: tiles, and samples of each.
+    "$PHOTOSPHERE" info "$root/check.part" --json 2>>"$root/messages" | tr -d ' \n' | awk '
+        match($0, /"counts":\[\[[0-9,\[\]]*\]\]/) {
+            runs = split(substr($0, RSTART + 10, RLENGTH - 10), number, /[^0-9]+/)
+            for (i = 2; i + 1 <= runs; i += 2) total += number[i] * number[i + 1]
         }
-        END { print total }'
+        !total && match($0, /"min_count":[0-9]+/) { total = 48 * substr($0, RSTART + 12, RLENGTH - 12) }
+        END { print total + 0 }'
 }
 
 # Compares the outputs with those of the undisturbed render $1.
