@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes a Python in target/python with packages of others that read our files and run our plans, for
-# the tests that compare with them. Those tests skip without it, so failing to make it is no error.
+# Makes a Python in target/python with packages of others that read our files, run our plans and
+# denoise our pictures, for the tests that need them. Those tests skip without it, so failing to make it is no error.
 #
 #   scripts/setup-python.sh
 set -uo pipefail
@@ -9,10 +9,12 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
 
 folder=target/python
 python=$folder/bin/python
-packages=(OpenEXR cryptomatte-api openjd-cli)
+# pyoidn contains Intel Open Image Denoise.
+packages=(OpenEXR cryptomatte-api openjd-cli pyoidn)
 
 has_packages() {
-    "$python" -c 'import OpenEXR, cryptomatte_api, openjd.cli' 2>/dev/null
+    "$python" -c 'import OpenEXR, cryptomatte_api, openjd.cli, importlib.util as found
+assert found.find_spec("pyoidn")' 2>/dev/null
 }
 
 has_packages && exit 0

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["NOT_HERE", "LookOptions", "Options", "PartOptions", "ReadOptions", "ViewOptions", "split"]
 
-#: Options of the command line that have no keyword: they concern its standard output, a viewer that
-#: it talks to, and files of pictures alone: `photosphere denoise` denoises one that was saved.
-NOT_HERE = {"denoise", "format", "json", "tev"}
+#: Options of the command line that have no keyword: they concern its standard output, and a viewer
+#: that it talks to.
+NOT_HERE = {"format", "json", "tev"}
 
 #: Names for times, whose numbers are seconds.
 _TIMES = {"time", "checkpoint_every", "preview_every"}
@@ -122,6 +122,7 @@ class PartOptions(LookOptions, total=False):
     max_spp: int | None
     time: float | str | None
     layers: Sequence[str] | str | None
+    denoise: bool
     accel: str | None
     build: str | None
     threads: int | None

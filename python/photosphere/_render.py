@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._errors import Error
-from ._picture import Picture
+from ._picture import Picture, denoiser_package
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -39,6 +39,8 @@ class Render:
     def __init__(self, core: _core.Render, scene: Scene | None, options: dict[str, Any]) -> None:
         self._core, self._scene, self._options = core, scene, options
         self._has_warned = False
+        #: The denoised picture, and the samples that it was made of.
+        self._denoised: tuple[int, Picture] | None = None
         self._saved = False
         if options.get("preview") is not None:
             self._save_previews(options)
@@ -47,6 +49,8 @@ class Render:
     def _start(cls, scene: Scene, options: dict[str, Any]) -> Render:
         words, changes = scene._split(options)
         _check_output(options.get("output"))
+        if options.get("denoise") is True:
+            _core.check_denoiser(denoiser_package())
         checkpoint = options.get("checkpoint")
         if checkpoint is not None:
             _scenes[os.path.abspath(checkpoint)] = scene
@@ -96,14 +100,16 @@ class Render:
 
     @property
     def picture(self) -> Picture:
-        """The picture so far.
+        """The picture so far. With denoise=True it is denoised when the render has ended.
 
         Raises:
             Error: There are no samples yet, or the render failed.
         """
         while self._core.is_running() and not self.samples:
             self._core.wait(0.02)
-        return Picture(self._core.picture(), self._scene, self._options)
+        has_ended = not self._core.is_running()
+        picture = Picture(self._core.picture(), self._scene, self._options)
+        return self._denoise(picture) if has_ended and self._core.denoises() else picture
 
     @property
     def error(self) -> float | None:
@@ -184,6 +190,17 @@ class Render:
         return self.picture._repr_png_() if self.samples else None
 
     # What follows is not for users.
+
+    def _denoise(self, picture: Picture) -> Picture:
+        samples = self.samples
+        if self._denoised is None or self._denoised[0] != samples:
+            try:
+                self._denoised = samples, picture.denoise()
+            except Error as error:
+                # The samples are more than the library.
+                warnings.warn(f"the picture is not denoised: {error}", stacklevel=3)
+                return picture
+        return self._denoised[1]
 
     def _progress(self, with_error: bool) -> dict[str, Any] | None:
         return json.loads(self._core.progress(with_error))

@@ -43,6 +43,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(facts::keywords, module)?)?;
     module.add_function(wrap_pyfunction!(facts::schema, module)?)?;
     module.add_function(wrap_pyfunction!(facts::ticks, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::check_denoiser, module)?)?;
     module.add_function(wrap_pyfunction!(picture::merge, module)?)?;
     module.add("VERSION", photosphere::job::VERSION)?;
     module.add("COMMIT", photosphere::job::COMMIT)

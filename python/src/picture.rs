@@ -7,6 +7,7 @@ use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1};
 use photosphere::Error;
 use photosphere::color::{Rgb, ToneCurve, ViewTransform};
+use photosphere::denoise::{DenoisedPicture, Denoiser, denoised_alone};
 use photosphere::film::Aov;
 use photosphere::image_io::{
     ChannelValues, CropWindow, FileFormat, ImageChannel, ImageWriter, Picture as LibraryPicture,
@@ -28,6 +29,8 @@ use crate::{arrays, error, pool};
 #[pyclass(frozen, module = "photosphere._core")]
 pub(crate) struct Picture {
     picture: LibraryPicture,
+    /// The denoised picture, which the screen and files without layers show.
+    denoised: Option<LibraryPicture>,
     crop: Option<CropWindow>,
     facts: Facts,
     /// Layers of several channels, interleaved when they are first asked for.
@@ -80,8 +83,14 @@ impl Picture {
         output: OutputSpec,
     ) -> Self {
         let facts = Facts { metadata, layers, overlay, output };
-        let lock = OnceLock::new;
-        Self { picture, crop, facts, beauty: lock(), direct: lock(), indirect: lock() }
+        let denoised = denoised_alone(&picture);
+        let (beauty, direct, indirect) = Default::default();
+        Self { picture, denoised, crop, facts, beauty, direct, indirect }
+    }
+
+    /// What files with layers contain, or what others show.
+    fn shown(&self, has_layers: bool) -> &LibraryPicture {
+        self.denoised.as_ref().filter(|_| !has_layers).unwrap_or(&self.picture)
     }
 
     /// What is written beside the pixels.
@@ -216,7 +225,8 @@ impl Picture {
         let bytes = pool::run(py, || {
             let mut bytes = Vec::new();
             let options = record.options_for(format)?;
-            write_to_stream(format, &self.picture, &options, &mut bytes)
+            let shown = self.shown(format.has_layers());
+            write_to_stream(format, shown, &options, &mut bytes)
                 .map_err(|e| Error::input(format!("cannot encode the picture: {e}")))?;
             Ok(bytes)
         })?;
@@ -228,7 +238,8 @@ impl Picture {
         let record = self.record(&look)?;
         pool::run(py, || {
             let file = ImageWriter::new(&path)?;
-            file.write_with(&self.picture, &record.options_for(file.format())?)
+            let shown = self.shown(file.has_layers());
+            file.write_with(shown, &record.options_for(file.format())?)
         })
     }
 
@@ -236,13 +247,24 @@ impl Picture {
     fn display<'py>(&self, py: Python<'py>, look: Look) -> PyResult<Bound<'py, PyAny>> {
         let record = self.record(&look)?;
         let bytes = pool::run(py, || {
-            Ok(display_pixels(&self.picture, &record.options_for(FileFormat::Png)?))
+            Ok(display_pixels(self.shown(false), &record.options_for(FileFormat::Png)?))
         })?;
         let channels = if self.picture.alpha.is_some() { 4 } else { 3 };
         let (height, width) = (self.picture.height, self.picture.width);
         let array = Array3::from_shape_vec((height, width, channels), bytes)
             .map_err(|e| PyValueError::new_err(e.to_string()))?;
         Ok(array.into_pyarray(py).into_any())
+    }
+
+    /// The picture with the layer `denoised`. `package` is the folder of `pyoidn`.
+    fn denoise(&self, py: Python<'_>, package: Option<PathBuf>) -> PyResult<Self> {
+        pool::run(py, || {
+            let denoiser = Denoiser::load_with(package.as_deref())?;
+            let picture = DenoisedPicture::new(&denoiser, &self.picture)?.into_layered();
+            let Facts { mut metadata, layers, overlay, output } = self.facts.clone();
+            metadata.mark_denoised(&denoiser.name());
+            Ok(Self::new(picture, metadata, layers, self.crop, overlay, output))
+        })
     }
 
     /// How the picture was made, as JSON.
@@ -327,6 +349,13 @@ impl Picture {
         let Facts { metadata, layers, overlay, output } = kept.facts;
         Ok(Self::new(picture, metadata, layers, crop, overlay, output))
     }
+}
+
+/// Raises an error unless Open Image Denoise can be loaded. `package` is the folder of `pyoidn`.
+#[pyfunction]
+pub(crate) fn check_denoiser(py: Python<'_>, package: Option<PathBuf>) -> PyResult<()> {
+    let loaded = py.detach(|| Denoiser::load_with(package.as_deref()));
+    loaded.map(drop).map_err(|e| error::raise(py, &e))
 }
 
 /// Merges the files of parts. Returns the picture, and what the user should know.

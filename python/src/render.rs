@@ -36,7 +36,7 @@ impl Render {
     ) -> PyResult<Self> {
         let request = parse(py, &words)?;
         let columns = wanted_columns(&request, columns)?;
-        let request = until_good(py, request, &scene.get().input)?;
+        let request = until_good(py, request, &scene.get().input)?.guided();
         let save_to = request.checkpoint().map(PathBuf::from);
         let checkpoint = match &save_to {
             Some(path) if path.exists() => {
@@ -190,6 +190,12 @@ impl Render {
             let layers = session.job().layers.clone();
             Ok(Picture::new(picture, metadata, layers, crop, loaded.overlay, loaded.output))
         })
+    }
+
+    /// True if the finished picture is to be denoised.
+    fn denoises(&self) -> PyResult<bool> {
+        self.check_process()?;
+        Ok(self.0.lock().loaded.output.denoise)
     }
 
     /// Progress, as JSON.

@@ -204,6 +204,12 @@ impl KeywordRender {
         Self(self.0.until_good())
     }
 
+    /// Returns the render with the layers that guide a denoiser, if its pictures are denoised.
+    #[must_use]
+    pub fn guided(self) -> Self {
+        if self.0.delivery.denoise { Self(self.0.guided()) } else { self }
+    }
+
     /// Describes what is drawn over the picture.
     pub fn overlay(&self, file: &SceneFile) -> Option<OverlaySpec> {
         overlay_spec(&self.0.delivery.overlay, file, self.0.delivery.dpi)

@@ -26,8 +26,9 @@ const INNER: [&str; 4] = ["", "lib", "lib64", "bin"];
 const PYTHON: &str = "import importlib.util as u; print(u.find_spec('pyoidn').origin)";
 
 /// The files to try, the first that can be loaded wins: in the folder that the user names and
-/// nowhere else, or the system's, that of a conda environment, and that of a Python package.
-pub(super) fn candidates() -> impl Iterator<Item = PathBuf> {
+/// nowhere else, or the system's, that of a conda environment, and that of the Python package
+/// `pyoidn`, in its folder `package` if that is known.
+pub(super) fn candidates(package: Option<&Path>) -> impl Iterator<Item = PathBuf> {
     let named = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
     let is_named = named.is_some();
     let of_user = named.into_iter().flat_map(|folder| in_folder(&folder));
@@ -35,7 +36,11 @@ pub(super) fn candidates() -> impl Iterator<Item = PathBuf> {
     let of_system = (!is_named).then(|| PathBuf::from(FILE));
     let conda = env::var_os("CONDA_PREFIX").filter(|_| !is_named);
     let of_conda = conda.into_iter().flat_map(|folder| in_folder(&folder));
-    let of_python = std::iter::once_with(move || if is_named { None } else { in_python_package() });
+    let of_python = std::iter::once_with(move || match package {
+        _ if is_named => None,
+        Some(package) => in_package(package),
+        None => in_package(&package_of_shell()?),
+    });
     of_user.chain(of_system).chain(of_conda).chain(of_python.flatten())
 }
 
@@ -45,13 +50,18 @@ fn in_folder(folder: &OsStr) -> Vec<PathBuf> {
     files.into_iter().filter(|file| file.is_file()).collect()
 }
 
-/// The library in the PyPI package `pyoidn` of the Python that a shell would start.
-fn in_python_package() -> Option<PathBuf> {
+/// The library in the folder of the PyPI package `pyoidn`.
+fn in_package(package: &Path) -> Option<PathBuf> {
+    let library = package.join("oidn").join("lib").join(FILE);
+    library.is_file().then_some(library)
+}
+
+/// The folder of the package `pyoidn` of the Python that a shell would start.
+fn package_of_shell() -> Option<PathBuf> {
     let mut python = Command::new(if cfg!(windows) { "python" } else { "python3" });
     let output = python.args(["-c", PYTHON]).stdin(Stdio::null()).stderr(Stdio::null()).output();
     let text = String::from_utf8(output.ok()?.stdout).ok()?;
-    let library = Path::new(text.trim()).parent()?.join("oidn").join("lib").join(FILE);
-    library.is_file().then_some(library)
+    Path::new(text.trim()).parent().map(Path::to_owned)
 }
 
 /// The error where none of the files could be loaded.

@@ -11,5 +11,5 @@ mod find;
 mod oidn;
 mod picture;
 
-pub use denoised_picture::DenoisedPicture;
+pub use denoised_picture::{DenoisedPicture, denoised_alone};
 pub use picture::{DENOISED, Denoiser};

@@ -1,5 +1,7 @@
 //! Denoises a picture: its beauty, guided by what is seen in each pixel.
 
+use std::path::Path;
+
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::image_io::{ChannelValues, ImageChannel, Picture};
@@ -23,8 +25,16 @@ impl Denoiser {
     /// # Errors
     /// If it is not installed, or does not work on this processor. The help says how to get it.
     pub fn load() -> Result<Self> {
+        Self::load_with(None)
+    }
+
+    /// Loads the library, which may also be in this folder of the Python package `pyoidn`.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_with(package: Option<&Path>) -> Result<Self> {
         let mut reasons = Vec::new();
-        for file in find::candidates() {
+        for file in find::candidates(package) {
             match Functions::load(&file) {
                 Ok(functions) => {
                     let version = Device::new(&functions, 1).map(|device| device.version());
@@ -96,7 +106,7 @@ fn failed(reason: &str) -> Error {
 }
 
 /// The three channels of a layer as colours.
-fn layer(picture: &Picture, name: &str) -> Option<Vec<Rgb>> {
+pub(super) fn layer(picture: &Picture, name: &str) -> Option<Vec<Rgb>> {
     let channel = |ends: [&str; 2]| {
         let is_it = |channel: &&ImageChannel| {
             let end = channel.name.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
