@@ -25,7 +25,9 @@ pub use cut::{EmitterCut, EmitterCuts, Enclosure};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
-pub use visible_emitter::{LaneLightSample, LanePoint, sample_cut_in_lane, sample_in_lane};
+pub use visible_emitter::{
+    LaneHorizon, LaneLightSample, LanePoint, sample_at_horizon, sample_cut_in_lane, sample_in_lane,
+};
 
 use std::sync::Arc;
 

@@ -6,6 +6,7 @@ use crate::math::Isa;
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
+use super::horizon::sample_at_horizons;
 use super::kernels::{SampleCutEmitter, SampleSingleEmitter};
 use super::vertex_batch::VertexBatch;
 use super::vertex_kind::VertexKind;
@@ -36,6 +37,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         for lane in 0..batch.count {
             batch.light.is_missing.0[lane] |= batch.vertices[lane].id == emitter.id;
+        }
+        if kind == VertexKind::Diffuse {
+            sample_at_horizons(isa, sphere, batch);
         }
         self.sample_missing_lights(kind, batch);
     }
