@@ -46,7 +46,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
     /// Samples a light for each lane that has none yet.
     fn sample_missing_lights(&self, kind: VertexKind, batch: &mut VertexBatch) {
-        if kind != VertexKind::Diffuse {
+        let missing = batch.light.is_missing.0.iter().fold(false, |any, &is| any | is);
+        if kind != VertexKind::Diffuse || !missing {
             return;
         }
         for lane in 0..batch.count {
