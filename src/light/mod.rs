@@ -277,8 +277,8 @@ impl Lights {
         self.pdf_by(&self.category_pmf(ctx), spheres, ctx, source, direction).pdf
     }
 
-    /// As [`Self::pdf`], with the probabilities of [`Self::category_pmf`] at this point, and whether
-    /// the samples are exact.
+    /// As [`Self::pdf`], with the probabilities of [`Self::category_pmf`] at this point. Tells also
+    /// whether the samples are exact.
     pub fn pdf_by(
         &self,
         category_pmf: &CategoryPmf,
