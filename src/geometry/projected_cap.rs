@@ -279,7 +279,7 @@ impl ProjectedCap {
     }
 
     #[inline(always)]
-    fn to_world(&self, [x, y]: [f64; 2], z: f64) -> DVec3 {
+    fn to_world(self, [x, y]: [f64; 2], z: f64) -> DVec3 {
         let bitangent = self.normal.cross(self.tangent);
         renormalize(self.tangent * x + bitangent * y + self.normal * z)
     }
