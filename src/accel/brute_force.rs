@@ -172,6 +172,11 @@ impl SimdKernel for IntersectSpheres<'_> {
     fn run(self) {
         let Self { rays, spheres, ids, block_hits } = self;
         for id in ids {
+            // The shadow rays of a block are often aimed at one emitter, which cannot occlude them.
+            let aimed: u32 = rays.target_sphere.0.iter().map(|&to| u32::from(to == id)).sum();
+            if aimed == LANES as u32 {
+                continue;
+            }
             let sphere = spheres.sphere(id);
             // Most spheres are missed by all rays of a block, which then need no square root.
             let mut hits = 0u64;

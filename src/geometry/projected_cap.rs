@@ -28,9 +28,6 @@ const MIN_TILT: f64 = 1e-8;
 /// A lune whose chord is shorter than this part of the ellipse is left to BSDF sampling: less than
 /// 1e-14 of the ellipse's area, without digits.
 const MIN_CHORD: f64 = 1e-3;
-/// Steps of Newton's method for a lune. From its start, three reach 1e-6 of the area for every
-/// lune, and 1e-8 for most.
-const NEWTON_STEPS: u32 = 3;
 
 /// The part above the horizon of the cap of directions in which a sphere is seen from a surface.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +83,7 @@ impl Ellipse {
     }
 
     /// Returns the chord; the horizon must cut the cap.
+    #[inline(always)]
     fn chord(&self) -> Chord {
         let Self { sin_rim, cos_rim, sin_axis, cos_axis } = *self;
         let above = (sin_rim - cos_axis) * (sin_rim + cos_axis);
@@ -107,24 +105,31 @@ impl Ellipse {
 impl ProjectedCap {
     /// Returns the projection of a cone on a surface with this normal; `None` if nothing of it, or
     /// hardly anything, is above the horizon.
+    #[inline(always)]
     pub fn new(cone: &Cone, normal: DVec3) -> Option<Self> {
         let cap = Self::above_horizon(cone, normal);
-        if cap.ellipse.is_above_horizon() {
+        if cap.is_above_horizon() {
             return Some(cap);
         }
         if !cap.is_cut_by_horizon() {
             return None;
         }
+        let cap = Self::at_horizon(cone, normal);
+        (cap.area() > 0.0).then_some(cap)
+    }
+
+    /// Returns the projection of a cone that the horizon cuts; of area 0 if hardly anything of it
+    /// is above.
+    #[inline(always)]
+    pub fn at_horizon(cone: &Cone, normal: DVec3) -> Self {
+        let cap = Self::above_horizon(cone, normal);
         let Ellipse { sin_rim, cos_axis, .. } = cap.ellipse;
         let chord = cap.ellipse.chord();
         let of_ellipse = sin_rim * sin_rim * cos_axis.abs();
-        let areas = if cos_axis > 0.0 {
-            [of_ellipse * (PI - chord.ellipse_segment), chord.disc_segment]
-        } else {
-            [0.0, chord.disc_segment - of_ellipse * chord.ellipse_segment]
-        };
-        let has_digits = cos_axis > 0.0 || chord.sin_ellipse >= MIN_CHORD;
-        (has_digits && areas[0] + areas[1] > 0.0).then_some(Self { areas, chord, ..cap })
+        let lune = chord.disc_segment - of_ellipse * chord.ellipse_segment;
+        let lune = if chord.sin_ellipse >= MIN_CHORD { lune } else { 0.0 };
+        let parts = [of_ellipse * (PI - chord.ellipse_segment), chord.disc_segment];
+        Self { areas: if cap.is_lune() { [0.0, lune] } else { parts }, chord, ..cap }
     }
 
     /// Returns the projection of a cone if all of it is above the horizon, which
@@ -156,6 +161,13 @@ impl ProjectedCap {
         cos_axis < sin_rim && cos_axis > -sin_rim
     }
 
+    /// Returns true if the axis is below the horizon: of a cap that the horizon cuts, a lune
+    /// remains.
+    #[inline(always)]
+    pub fn is_lune(&self) -> bool {
+        self.ellipse.cos_axis <= 0.0
+    }
+
     /// Projected solid angle of what is above the horizon.
     #[inline(always)]
     pub fn area(&self) -> f64 {
@@ -173,10 +185,10 @@ impl ProjectedCap {
     /// Samples a direction in proportion to its cosine, from `u` in `[0, 1)^2`.
     #[inline(always)]
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
-        match self.is_above_horizon() {
-            true => self.sample_whole(u),
-            false => self.sample_cut(u),
+        if self.is_above_horizon() {
+            return self.sample_whole(u);
         }
+        if self.is_lune() { self.sample_lune(u) } else { self.sample_cut(u) }
     }
 
     /// Samples a cap that is above the horizon.
@@ -187,51 +199,53 @@ impl ProjectedCap {
         self.over_ellipse([r * cos_phi, r * sin_phi], 1.0 - u[0])
     }
 
-    /// Samples a cap that the horizon cuts.
-    #[inline(never)]
-    fn sample_cut(&self, u: [f64; 2]) -> DVec3 {
-        let chord = &self.chord;
-        if self.ellipse.cos_axis <= 0.0 {
-            return self.sample_lune(u);
-        }
-        // In order along x: first the ellipse, then the segment behind the chord.
-        let [of_ellipse, of_segment] = self.areas;
+    /// Samples a cap that the horizon cuts, with the axis above it: in order along x, first the
+    /// ellipse, then the segment behind the chord.
+    #[inline(always)]
+    pub fn sample_cut(&self, u: [f64; 2]) -> DVec3 {
+        let (chord, [of_ellipse, of_segment]) = (&self.chord, self.areas);
         let area = u[0] * (of_ellipse + of_segment);
         let across = 2.0 * u[1] - 1.0;
         let flat = (1.0 - across * across).max(0.0);
-        if area < of_ellipse {
-            let share = area / of_ellipse * (PI - chord.ellipse_segment);
-            let from_end = one_minus_cos_of_segment(share);
-            let sin_squared = from_end * (2.0 - from_end);
-            let point = [from_end - 1.0, across * sin_squared.max(0.0).sqrt()];
-            return self.over_ellipse(point, sin_squared * flat);
-        }
-        let behind = (1.0 - (area - of_ellipse) / of_segment).max(0.0);
-        let from_end = one_minus_cos_of_segment(behind * chord.disc_segment);
-        let sin = (from_end * (2.0 - from_end)).max(0.0).sqrt();
-        self.to_world([1.0 - from_end, across * sin], sin * flat.sqrt())
+        let is_in_ellipse = area < of_ellipse;
+        let share = area / of_ellipse * (PI - chord.ellipse_segment);
+        let behind = (1.0 - (area - of_ellipse) / of_segment).max(0.0) * chord.disc_segment;
+        let from_end = one_minus_cos_of_segment(if is_in_ellipse { share } else { behind });
+        let sin_squared = from_end * (2.0 - from_end);
+        let sin = sin_squared.max(0.0).sqrt();
+        let in_ellipse = self.over_ellipse([from_end - 1.0, across * sin], sin_squared * flat);
+        let in_segment = self.to_world([1.0 - from_end, across * sin], sin * flat.sqrt());
+        if is_in_ellipse { in_ellipse } else { in_segment }
     }
 
     /// Samples a lune: y from the area up to it, by Newton's method, then x.
-    fn sample_lune(&self, u: [f64; 2]) -> DVec3 {
-        let chord = &self.chord;
+    #[inline(always)]
+    pub fn sample_lune(&self, u: [f64; 2]) -> DVec3 {
         let signed = 2.0 * u[0] - 1.0;
-        // The root of the area beyond y is nearly linear in y.
         let target = (1.0 - signed.abs()).sqrt();
-        let mut y = chord.sin_disc * (1.0 - target);
-        for _ in 0..NEWTON_STEPS {
-            let [area, width] = self.lune_up_to(y);
-            let beyond = (1.0 - area / self.area()).max(0.0).sqrt();
-            let slope = width / (beyond * self.area());
-            let step = (beyond - target) / slope;
-            let next = if slope > 0.0 { y + step } else { y };
-            y = next.clamp(0.0, chord.sin_disc * (1.0 - 1e-12));
-        }
+        let mut y = self.chord.sin_disc * (1.0 - target);
+        // Three steps, written out for loops over lanes: from this start, they reach 1e-6 of the
+        // area for every lune, and 1e-8 for most.
+        y = self.step_in_lune(y, target);
+        y = self.step_in_lune(y, target);
+        y = self.step_in_lune(y, target);
         let width = self.lune_up_to(y)[1].max(0.0);
         let right = ((1.0 - y) * (1.0 + y)).sqrt();
         let inward = u[1] * width;
         let z = (inward * (2.0 * right - inward)).max(0.0).sqrt();
         self.to_world([right - inward, y.copysign(signed)], z)
+    }
+
+    /// Returns a better y, beyond which the part `target^2` of a lune lies: by a step of Newton's
+    /// method for the root of the area beyond y, which is nearly linear in y.
+    #[inline(always)]
+    fn step_in_lune(&self, y: f64, target: f64) -> f64 {
+        let [area, width] = self.lune_up_to(y);
+        let beyond = (1.0 - area / self.area()).max(0.0).sqrt();
+        let slope = width / (beyond * self.area());
+        let step = (beyond - target) / slope;
+        let next = if slope > 0.0 { y + step } else { y };
+        next.max(0.0).min(self.chord.sin_disc * (1.0 - 1e-12))
     }
 
     /// Returns the area of a lune between `-y` and `y`, and its width at `y`.
@@ -264,6 +278,7 @@ impl ProjectedCap {
         renormalize(self.middle + offset + self.normal * z)
     }
 
+    #[inline(always)]
     fn to_world(self, [x, y]: [f64; 2], z: f64) -> DVec3 {
         let bitangent = self.normal.cross(self.tangent);
         renormalize(self.tangent * x + bitangent * y + self.normal * z)

@@ -25,7 +25,9 @@ pub use cut::{EmitterCut, EmitterCuts, Enclosure};
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
-pub use visible_emitter::{LaneLightSample, LanePoint, sample_cut_in_lane, sample_in_lane};
+pub use visible_emitter::{
+    LaneHorizon, LaneLightSample, LanePoint, sample_at_horizon, sample_cut_in_lane, sample_in_lane,
+};
 
 use std::sync::Arc;
 
@@ -73,8 +75,29 @@ pub struct LightSample {
     /// Probability of the source times the pdf of the direction per solid angle.
     pub pdf: f64,
     /// True if the sample has no variance but that of visibility, so that BSDF sampling need not
-    /// find this light as well; see [`Lights::is_exact`].
+    /// find this light as well; see [`LightPdf::is_exact`].
     pub is_exact: bool,
+}
+
+/// The pdf of light samples in a direction.
+#[derive(Clone, Copy, Debug)]
+pub struct LightPdf {
+    /// Probability of the source times the pdf of the direction per solid angle.
+    pub pdf: f64,
+    /// True if samples of the source have no variance but that of visibility: at a Lambertian
+    /// surface, from the only light, sampled in proportion to the cosine. Then they have MIS weight
+    /// 1, and emission found by BSDF sampling 0.
+    pub is_exact: bool,
+}
+
+impl LightPdf {
+    /// Of a light left to BSDF sampling.
+    const ZERO: Self = Self::inexact(0.0);
+
+    /// Of a light whose samples vary.
+    pub const fn inexact(pdf: f64) -> Self {
+        Self { pdf, is_exact: false }
+    }
 }
 
 impl LightSource {
@@ -219,7 +242,7 @@ impl Lights {
         }
         let (direction, near, pdf) = visible.sample(u);
         let pdf = pdf * pmf * probability * wall_pmf;
-        let is_exact = !self.needs_selection() && visible.is_projected();
+        let is_exact = self.is_exact(&visible);
         let sample = match is_far {
             true => LightSample {
                 source: LightSource::FarWall(id),
@@ -251,10 +274,11 @@ impl Lights {
         source: LightSource,
         direction: DVec3,
     ) -> f64 {
-        self.pdf_by(&self.category_pmf(ctx), spheres, ctx, source, direction)
+        self.pdf_by(&self.category_pmf(ctx), spheres, ctx, source, direction).pdf
     }
 
-    /// As [`Self::pdf`], with the probabilities of [`Self::category_pmf`] at this point.
+    /// As [`Self::pdf`], with the probabilities of [`Self::category_pmf`] at this point. Tells also
+    /// whether the samples are exact.
     pub fn pdf_by(
         &self,
         category_pmf: &CategoryPmf,
@@ -262,38 +286,32 @@ impl Lights {
         ctx: &LightSampleContext,
         source: LightSource,
         direction: DVec3,
-    ) -> f64 {
+    ) -> LightPdf {
         let (id, is_far) = match source {
             LightSource::Emitter(id) => (id, false),
             LightSource::FarWall(id) => (id, true),
             LightSource::Environment => {
                 let map_pdf = self.environment.pdf(direction);
-                return self.environment_pdf(category_pmf, direction, map_pdf);
+                return LightPdf::inexact(self.environment_pdf(category_pmf, direction, map_pdf));
             }
         };
         let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
-            return 0.0;
+            return LightPdf::ZERO;
         };
         let cut = self.cuts.of_emitter(index);
         let Some(visible) = VisibleEmitter::new(ctx, id, &spheres.sphere(id), cut) else {
-            return 0.0;
+            return LightPdf::ZERO;
         };
         let far_wall_pmf = visible.far_wall_pmf(&self.emitters[index]);
         let wall_pmf = if is_far { far_wall_pmf } else { 1.0 - far_wall_pmf };
         let pmf = category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
-        visible.pdf(direction) * pmf * wall_pmf
+        let pdf = visible.pdf(direction) * pmf * wall_pmf;
+        LightPdf { pdf, is_exact: self.is_exact(&visible) }
     }
 
-    /// Returns true if light samples at a shading point have no variance but that of visibility: at
-    /// a Lambertian surface, from the only light, sampled in proportion to the cosine. Then they
-    /// have MIS weight 1, and emission found by BSDF sampling 0.
-    pub fn is_exact(&self, spheres: &SphereSet, ctx: &LightSampleContext) -> bool {
-        let Some(emitter) = self.single_emitter().filter(|_| ctx.is_lambertian) else {
-            return false;
-        };
-        let (sphere, cut) = (spheres.sphere(emitter.id), self.cuts.of_emitter(0));
-        VisibleEmitter::new(ctx, emitter.id, &sphere, cut)
-            .is_some_and(|visible| visible.is_projected())
+    /// Returns true if samples of an emitter have no variance but that of visibility.
+    fn is_exact(&self, visible: &VisibleEmitter) -> bool {
+        !self.needs_selection() && visible.is_projected()
     }
 
     /// Returns the probability that [`Self::sample`] selects the environment rather than an

@@ -145,9 +145,21 @@ pub struct LaneLightSample {
     pub sample: ConeSample,
     /// True if the emitter is sampled in proportion to the cosine.
     pub is_projected: bool,
-    /// True if this is no sample: from inside the emitter, or if the horizon cuts it at a
-    /// Lambertian surface. [`super::Lights::sample`] has to sample it.
+    /// True if this is no sample: from inside the emitter. [`super::Lights::sample`] has to sample
+    /// it.
     pub is_missing: bool,
+    /// What the horizon of a Lambertian surface makes of the emitter.
+    pub horizon: LaneHorizon,
+}
+
+/// What the horizon makes of an emitter, for loops over lanes.
+#[derive(Clone, Copy)]
+pub struct LaneHorizon {
+    /// True if the horizon cuts the emitter, so that this is no sample yet:
+    /// [`sample_at_horizon`] has to sample it.
+    pub is_cut: bool,
+    /// True if the emitter's centre is below the horizon.
+    pub is_lune: bool,
 }
 
 /// Samples an emitter from a point on another sphere; a Lambertian surface samples it by the
@@ -160,7 +172,7 @@ pub fn sample_in_lane<const IS_LAMBERTIAN: bool>(
 ) -> LaneLightSample {
     let (cone, is_inside) = cone_in_lane(at, emitter);
     let whole = sample_whole::<IS_LAMBERTIAN>(&cone, at.facing_normal, u);
-    LaneLightSample { is_missing: whole.is_missing | is_inside, ..whole }
+    LaneLightSample { is_missing: is_inside, ..whole }
 }
 
 /// As [`sample_in_lane`], but of an emitter that walls cut.
@@ -178,7 +190,8 @@ pub fn sample_cut_in_lane<const IS_LAMBERTIAN: bool>(
     LaneLightSample {
         sample: if is_narrow { cap.sample(u) } else { whole.sample },
         is_projected: whole.is_projected & !is_narrow,
-        is_missing: (whole.is_missing & !is_narrow) | is_inside,
+        is_missing: is_inside,
+        horizon: LaneHorizon { is_cut: whole.horizon.is_cut & !is_narrow, ..whole.horizon },
     }
 }
 
@@ -199,7 +212,12 @@ fn sample_whole<const IS_LAMBERTIAN: bool>(
 ) -> LaneLightSample {
     match IS_LAMBERTIAN {
         true => sample_projected(cone, normal, u),
-        false => LaneLightSample { sample: cone.sample(u), is_projected: false, is_missing: false },
+        false => LaneLightSample {
+            sample: cone.sample(u),
+            is_projected: false,
+            is_missing: false,
+            horizon: LaneHorizon { is_cut: false, is_lune: false },
+        },
     }
 }
 
@@ -208,12 +226,29 @@ fn sample_projected(cone: &Cone, normal: DVec3, u: [f64; 2]) -> LaneLightSample 
     let cap = ProjectedCap::above_horizon(cone, normal);
     let direction = cap.sample_whole(u);
     let pdf = if cap.is_above_horizon() { cap.pdf(direction) } else { 0.0 };
-    let distance = cone.distance_along(direction);
     LaneLightSample {
-        sample: ConeSample { direction, distance, pdf },
+        sample: ConeSample { direction, distance: cone.distance_along(direction), pdf },
         is_projected: true,
-        is_missing: cap.is_cut_by_horizon(),
+        is_missing: false,
+        horizon: LaneHorizon { is_cut: cap.is_cut_by_horizon(), is_lune: cap.is_lune() },
     }
+}
+
+/// Samples an emitter that the horizon of a Lambertian surface cuts, from a point outside the
+/// emitter; as [`LaneHorizon`] tells, with the emitter's centre below the horizon (a lune) or not.
+#[inline(always)]
+pub fn sample_at_horizon<const IS_LUNE: bool>(
+    point: DVec3,
+    normal: DVec3,
+    emitter: &Sphere,
+    u: [f64; 2],
+) -> ConeSample {
+    let to_center = emitter.center - point;
+    let cone = Cone::from_axis(to_center, to_center.length(), emitter.radius);
+    let cap = ProjectedCap::at_horizon(&cone, normal);
+    let direction = if IS_LUNE { cap.sample_lune(u) } else { cap.sample_cut(u) };
+    let pdf = if cap.area() > 0.0 { cap.pdf(direction) } else { 0.0 };
+    ConeSample { direction, distance: cone.distance_along(direction), pdf }
 }
 
 /// Returns 1 (above) or -1 (below) with equal probability, and remaps `u` to `[0, 1)`.

@@ -45,14 +45,14 @@ impl Call<'_> {
 
         let mut radiance = material.emission;
         if let (true, Some((at, pdf))) = (self.samples_emitters, drawn) {
-            let aimed = self.prepared.lights().pdf(
-                spheres,
-                &light_context(at),
-                LightSource::Emitter(hit.id),
-                ray.direction,
-            );
-            let is_exact = self.prepared.lights().is_exact(spheres, &light_context(at));
-            let weight = if is_exact && aimed > 0.0 { 0.0 } else { power_heuristic(pdf, aimed) };
+            let (lights, context) = (self.prepared.lights(), &light_context(at));
+            let categories = &lights.category_pmf(context);
+            let source = LightSource::Emitter(hit.id);
+            let aimed = lights.pdf_by(categories, spheres, context, source, ray.direction);
+            let weight = match aimed.is_exact && aimed.pdf > 0.0 {
+                true => 0.0,
+                false => power_heuristic(pdf, aimed.pdf),
+            };
             radiance *= weight as f32;
         }
 

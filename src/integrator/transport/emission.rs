@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::SurfaceHit;
-use crate::light::LightSource;
+use crate::light::{LightPdf, LightSource};
 use crate::math::DVec3;
 use crate::sampling::power_heuristic;
 use crate::scene::settings::Estimator;
@@ -43,21 +43,22 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         state: &PathState,
         source: LightSource,
         radiance: Rgb,
-        pdf_light: impl Fn(&PrevVertex) -> f64,
+        pdf_light: impl Fn(&PrevVertex) -> LightPdf,
     ) {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
         let prev = self.prev_vertex(state).filter(|_| self.samples_lights());
-        let pdf_light = prev.map_or(0.0, pdf_light);
-        let prev = self.prev_vertex(state);
-        let pdf = prev.map(|prev| prev.pdf);
+        let light = prev.map(pdf_light);
+        let pdf_light = light.map_or(0.0, |light| light.pdf);
+        let is_exact = light.is_some_and(|light| light.is_exact);
+        let pdf = self.prev_vertex(state).map(|prev| prev.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
             (Estimator::Mis, Some(p)) if fault!(MisWeightsSwapped) => {
                 power_heuristic(pdf_light, p) as f32
             }
-            (Estimator::Mis, Some(_)) if pdf_light > 0.0 && self.is_light_exact(prev) => 0.0,
+            (Estimator::Mis, Some(_)) if pdf_light > 0.0 && is_exact => 0.0,
             (Estimator::Mis, Some(pdf)) => power_heuristic(pdf, pdf_light) as f32,
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
@@ -95,12 +96,5 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.add_contribution(state.batch_index, contribution);
         let event = || PathEvent::Emission { source, radiance, pdf, rival, weight, contribution };
         self.recorder.record(event);
-    }
-
-    /// Returns true if light samples at the previous vertex were exact.
-    fn is_light_exact(&self, prev: Option<&PrevVertex>) -> bool {
-        let spheres = self.context.scene.spheres();
-        let lights = self.context.prepared.lights();
-        prev.is_some_and(|prev| lights.is_exact(spheres, &prev.light_sample_context(spheres)))
     }
 }

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
-use crate::light::{CategoryPmf, LightSampleContext, LightSource};
+use crate::light::{CategoryPmf, LightPdf, LightSampleContext, LightSource};
 use crate::material::Lobe;
 use crate::math::{Frame, renormalize};
 use crate::scene::settings::{Estimator, MissPolicy};
@@ -49,8 +49,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             radiance = (radiance - sun).max(Rgb::ZERO);
             self.add_connectable_emission(state, LightSource::Environment, sun, &pdfs);
         }
-        let pdf_light =
-            |prev: &PrevVertex| lights.environment_pdf(&prev.lights, direction, map_pdf);
+        let pdf_light = |prev: &PrevVertex| {
+            LightPdf::inexact(lights.environment_pdf(&prev.lights, direction, map_pdf))
+        };
         self.add_weighted_emission(state, LightSource::Environment, radiance, pdf_light);
         self.terminate(Termination::Escaped)
     }

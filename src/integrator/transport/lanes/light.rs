@@ -6,6 +6,7 @@ use crate::math::Isa;
 use super::super::super::context::RenderContext;
 use super::super::super::trace::PathRecorder;
 use super::super::batch::PathBatch;
+use super::horizon::sample_at_horizons;
 use super::kernels::{SampleCutEmitter, SampleSingleEmitter};
 use super::vertex_batch::VertexBatch;
 use super::vertex_kind::VertexKind;
@@ -37,12 +38,16 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         for lane in 0..batch.count {
             batch.light.is_missing.0[lane] |= batch.vertices[lane].id == emitter.id;
         }
+        if kind == VertexKind::Diffuse {
+            sample_at_horizons(isa, sphere, batch);
+        }
         self.sample_missing_lights(kind, batch);
     }
 
     /// Samples a light for each lane that has none yet.
     fn sample_missing_lights(&self, kind: VertexKind, batch: &mut VertexBatch) {
-        if kind != VertexKind::Diffuse {
+        let missing = batch.light.is_missing.0.iter().fold(false, |any, &is| any | is);
+        if kind != VertexKind::Diffuse || !missing {
             return;
         }
         for lane in 0..batch.count {

@@ -13,6 +13,7 @@ mod arrive;
 mod connection_lanes;
 mod connections;
 mod finish;
+mod horizon;
 mod kernels;
 mod light;
 mod stages;

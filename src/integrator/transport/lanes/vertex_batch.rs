@@ -2,7 +2,9 @@
 
 use crate::color::Rgb;
 use crate::geometry::{PathRay, Side, Sphere, SurfaceHit};
-use crate::light::{CategoryPmf, LaneLightSample, LanePoint, LightSample, LightSource};
+use crate::light::{
+    CategoryPmf, LaneHorizon, LaneLightSample, LanePoint, LightSample, LightSource,
+};
 use crate::math::{DVec3, Hit, LANES, Lanes, Lanes3, NO_SPHERE};
 use crate::sampling::{Sampler, SobolLanes};
 
@@ -95,6 +97,10 @@ pub(super) struct LightSampleLanes {
     pub(super) is_exact: Lanes<bool>,
     /// True where the scalar code has to sample.
     pub(super) is_missing: Lanes<bool>,
+    /// True where the horizon cuts the emitter and no sample is drawn yet, and where its centre is
+    /// below the horizon.
+    pub(super) is_cut: Lanes<bool>,
+    pub(super) is_lune: Lanes<bool>,
     /// `weight cos / pdf`.
     pub(super) mis_factor: Lanes<f32>,
     pub(super) sources: [SampledSource; LANES],
@@ -130,6 +136,8 @@ impl Default for LightSampleLanes {
             pdf: Lanes::default(),
             is_exact: Lanes::default(),
             is_missing: Lanes::default(),
+            is_cut: Lanes::default(),
+            is_lune: Lanes::default(),
             mis_factor: Lanes::default(),
             sources: [SampledSource::default(); LANES],
             categories: [CategoryPmf::NONE; LANES],
@@ -220,6 +228,9 @@ impl LightSampleLanes {
         self.pdf.0[lane] = light.sample.pdf;
         self.is_exact.0[lane] = light.is_projected;
         self.is_missing.0[lane] = light.is_missing;
+        let LaneHorizon { is_cut, is_lune } = light.horizon;
+        self.is_cut.0[lane] = is_cut;
+        self.is_lune.0[lane] = is_lune;
     }
 
     /// Stores a light sample that was drawn by the scalar code.
