@@ -2,6 +2,7 @@
 
 use crate::particles::column::Column;
 use crate::particles::model::Positions;
+use crate::task::pages::try_reserve;
 
 use super::values::{Kind, Values};
 
@@ -41,7 +42,7 @@ impl Batch {
     /// Takes memory for more rows at once, if there is as much: growing step by step may hold old
     /// and new values.
     pub(in crate::particles) fn reserve(&mut self, rows: usize) {
-        let _ = self.positions.try_reserve_exact(rows);
+        let _ = try_reserve(&mut self.positions, rows);
         self.columns.iter_mut().for_each(|column| column.reserve(rows));
     }
 

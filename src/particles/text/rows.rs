@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::math::Isa;
+use crate::math::{Isa, bytes};
 use crate::particles::budget::Budget;
 use crate::particles::trouble::{Outcome, Trouble};
 
@@ -184,7 +184,7 @@ fn parse_piece(
         let row = MarkedRow { text: piece, start, marks };
         if let Some(uses) = uses.filter(|_| patience.is_over()) {
             let mut rows = 0;
-            isa.run(UsualRows { uses, row, to: batch, rows: &mut rows, end: &mut start });
+            bytes::run(isa, UsualRows { uses, row, to: batch, rows: &mut rows, end: &mut start });
             batch.drop_incomplete_row();
             marks = &marks[rows * uses.len()..];
             lines += rows as u64;
