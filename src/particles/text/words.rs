@@ -74,7 +74,11 @@ impl Words {
     /// Appends all words of another column.
     pub(in crate::particles) fn append(&mut self, other: &Self) {
         let codes: Vec<u32> = other.words.names.iter().map(|name| self.code(name)).collect();
-        self.words.codes.extend(other.words.codes.iter().map(|&code| codes[code as usize]));
+        if codes.iter().copied().eq(0..codes.len() as u32) {
+            self.words.codes.extend_from_slice(&other.words.codes);
+        } else {
+            self.words.codes.extend(other.words.codes.iter().map(|&code| codes[code as usize]));
+        }
     }
 
     /// Bytes of memory, about.
