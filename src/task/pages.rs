@@ -8,6 +8,8 @@
 
 use std::collections::TryReserveError;
 
+use rayon::prelude::*;
+
 /// Takes memory for exactly `count` more elements.
 ///
 /// # Errors
@@ -17,6 +19,15 @@ pub(crate) fn try_reserve<T>(to: &mut Vec<T>, count: usize) -> Result<(), TryRes
     #[cfg(target_os = "linux")]
     linux::prefer_huge(to);
     Ok(())
+}
+
+/// Collects all items in order, computed in parallel.
+pub(crate) fn collect<T: Send>(items: impl IndexedParallelIterator<Item = T>) -> Vec<T> {
+    let mut all = Vec::new();
+    // If there is not enough memory, what follows says so.
+    let _ = try_reserve(&mut all, items.len());
+    all.par_extend(items);
+    all
 }
 
 #[cfg(target_os = "linux")]

@@ -4,6 +4,7 @@ mod batch;
 mod decimal;
 mod fields;
 mod input;
+mod joined;
 mod lane_digits;
 mod lanes;
 mod line_parser;

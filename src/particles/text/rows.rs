@@ -1,17 +1,16 @@
 //! Parses lines in parallel: each thread takes the next block, parses it, and adds its rows to those
 //! of the blocks before. No thread waits for the others after each block.
 
-use std::collections::BTreeMap;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use crate::particles::budget::Budget;
-use crate::particles::trouble::{Failure, Outcome, Trouble};
+use crate::particles::trouble::{Outcome, Trouble};
 
 use super::batch::Batch;
 use super::input::{Input, Lines};
+use super::joined::{Alarm, Joined, lock};
 use super::line_parser::LineParser;
 use super::marks::Marks;
 use super::piece::parse_piece;
@@ -94,9 +93,7 @@ pub(in crate::particles) fn read_rows(
     let threads = rayon::current_num_threads();
     let length = input.length().unwrap_or(0);
     let taking = Mutex::new(Taking { input, section, done: 0, index: 0, has_more: true });
-    let progress = Progress { like: all.empty_like(), ..Progress::default() };
-    let joined =
-        Joined { all: Mutex::new(all), progress: Mutex::new(progress), turn: Condvar::new() };
+    let joined = Joined::new(all);
     let rows_left = |first: &Batch, bytes: u64| section.rows_left(first, bytes, length, budget);
     let join = |all: &mut Batch, batch: &mut Batch, bytes: usize| {
         let is_first = all.positions.is_empty();
@@ -119,11 +116,8 @@ pub(in crate::particles) fn read_rows(
         }
     };
     (0..threads).into_par_iter().with_max_len(1).for_each(work);
-    let progress = joined.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    match progress.failure {
-        Some((_, failure)) => Err(failure),
-        None => Ok(taking.into_inner().unwrap_or_else(PoisonError::into_inner).done),
-    }
+    joined.finish()?;
+    Ok(taking.into_inner().unwrap_or_else(PoisonError::into_inner).done)
 }
 
 /// Where the next block comes from.
@@ -140,7 +134,7 @@ struct Taking<'i> {
 /// Takes the next block: its index, and the number of its first line.
 fn take(taking: &Mutex<Taking<'_>>, joined: &Joined<'_>, to: &mut Lines) -> Option<(usize, u64)> {
     let mut taking = lock(taking);
-    if !taking.has_more || lock(&joined.progress).is_over {
+    if !taking.has_more || joined.is_over() {
         return None;
     }
     let Taking { input, section, done, index, has_more } = &mut *taking;
@@ -149,10 +143,10 @@ fn take(taking: &Mutex<Taking<'_>>, joined: &Joined<'_>, to: &mut Lines) -> Opti
         Ok(more) => *has_more = more,
         Err(failure) => {
             *has_more = false;
-            lock(&joined.progress).fail(*index, failure);
+            joined.fail(*index, failure);
         }
     }
-    if to.count() == 0 || lock(&joined.progress).is_over {
+    if to.count() == 0 || joined.is_over() {
         return None;
     }
     *done += to.count();
@@ -160,100 +154,57 @@ fn take(taking: &Mutex<Taking<'_>>, joined: &Joined<'_>, to: &mut Lines) -> Opti
     Some((*index - 1, first_line))
 }
 
-/// All rows so far, and the blocks that were parsed before those in front of them.
-struct Joined<'a> {
-    all: Mutex<&'a mut Batch>,
-    progress: Mutex<Progress>,
-    turn: Condvar,
-}
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+    use std::path::Path;
 
-#[derive(Default)]
-struct Progress {
-    /// The next block to be joined.
-    next: usize,
-    /// Blocks that wait, with the length of their text.
-    ready: BTreeMap<usize, (Batch, usize)>,
-    is_joining: bool,
-    /// Memory to be used again.
-    spare: Vec<Batch>,
-    /// No rows, with the kinds of the columns so far.
-    like: Batch,
-    /// The first block that failed, and why.
-    failure: Option<(usize, Failure)>,
-    is_over: bool,
-}
+    use crate::particles::{Particles, ReadRequest, read_bytes};
 
-impl Progress {
-    fn fail(&mut self, index: usize, failure: Failure) {
-        self.is_over = true;
-        if self.failure.as_ref().is_none_or(|(first, _)| index < *first) {
-            self.failure = Some((index, failure));
+    /// Rows of many blocks, whose columns become wider late.
+    fn text() -> String {
+        let mut text = "id,x,y,z,kind\n".to_owned();
+        for row in 0..120_000i64 {
+            let id = if row == 90_000 { 5_000_000_000 } else { row };
+            let kind = ["b", "a", "c", "d"][if row < 60_000 { row % 2 } else { row % 4 } as usize];
+            let _ = writeln!(text, "{id},{},{:.9},-1.5,{kind}", row as f64 / 7.0, row as f64);
         }
-    }
-}
-
-impl Joined<'_> {
-    /// An empty batch for a block, once it is near the ones that are joined.
-    fn batch(&self, index: usize, most_ahead: usize) -> Batch {
-        let mut progress = lock(&self.progress);
-        while index > progress.next + most_ahead && !progress.is_over {
-            progress = self.turn.wait(progress).unwrap_or_else(PoisonError::into_inner);
-        }
-        let mut batch = progress.spare.pop().unwrap_or_default();
-        batch.clear_like(&progress.like);
-        batch
+        text
     }
 
-    /// Takes a block that was parsed, and joins all whose turn it is, unless another thread does.
-    fn put(
-        &self,
-        index: usize,
-        parsed: Outcome<(Batch, usize)>,
-        join: &dyn Fn(&mut Batch, &mut Batch, usize) -> Result<(), Trouble>,
-    ) {
-        let mut progress = lock(&self.progress);
-        match parsed {
-            Ok(batch) => drop(progress.ready.insert(index, batch)),
-            Err(failure) => progress.fail(index, failure),
+    fn read(text: &str, threads: usize) -> Result<Particles, String> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let request = ReadRequest::default();
+        pool.install(|| read_bytes(Path::new("a.csv"), text.as_bytes(), &request))
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn rows_are_the_same_with_any_number_of_threads() {
+        let text = text();
+        let one = read(&text, 1).expect("it can be read");
+        assert_eq!(one.len(), 120_000);
+        for threads in [2, 5] {
+            let many = read(&text, threads).expect("it can be read");
+            assert_eq!(one.positions, many.positions);
+            assert!(one.columns == many.columns);
         }
-        if progress.is_joining {
-            return;
-        }
-        progress.is_joining = true;
-        loop {
-            let next = progress.next;
-            let Some((mut batch, bytes)) = progress.ready.remove(&next) else { break };
-            drop(progress);
-            let mut all = lock(&self.all);
-            let outcome = join(&mut all, &mut batch, bytes);
-            progress = lock(&self.progress);
-            progress.like = all.empty_like();
-            progress.spare.push(batch);
-            match outcome {
-                Ok(()) => progress.next += 1,
-                Err(trouble) => progress.fail(next, trouble.into()),
+    }
+
+    #[test]
+    fn the_first_wrong_line_is_said_with_any_number_of_threads() {
+        let text = text();
+        let wrong: Vec<&str> = text
+            .lines()
+            .enumerate()
+            .map(|(line, text)| if matches!(line, 50_000 | 95_000) { "1,2,3" } else { text })
+            .collect();
+        let one = read(&wrong.join("\n"), 1).expect_err("it is wrong");
+        assert!(one.starts_with("a.csv:50001: "), "{one}");
+        for threads in [2, 5] {
+            for _ in 0..3 {
+                assert_eq!(read(&wrong.join("\n"), threads).expect_err("it is wrong"), one);
             }
-            self.turn.notify_all();
-        }
-        progress.is_joining = false;
-        if progress.is_over {
-            self.turn.notify_all();
         }
     }
-}
-
-/// Lets no thread wait for one that panics.
-struct Alarm<'j, 'a>(&'j Joined<'a>);
-
-impl Drop for Alarm<'_, '_> {
-    fn drop(&mut self) {
-        if thread::panicking() {
-            lock(&self.0.progress).is_over = true;
-            self.0.turn.notify_all();
-        }
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
