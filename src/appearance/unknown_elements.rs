@@ -46,6 +46,7 @@ pub(super) fn note(
         others => format!(", like {others} more"),
     };
     Some(format!(
-        "{place}: unknown element `{label}`: it is {look}{others} (`radius` and `color` choose otherwise)"
+        "{place}: unknown element `{label}`: it is {look}{others} (`radius` and `color` choose \
+         otherwise)"
     ))
 }

@@ -285,8 +285,8 @@ impl Session {
         picture
     }
 
-    /// How far the colours of particles in a picture of the session, as a screen shows them, are from
-    /// those that a colour bar shows; `None` if no particle of a file is seen.
+    /// How far the colours of particles in a picture of the session, as a screen shows them, are
+    /// from those that a colour bar shows; `None` if no particle of a file is seen.
     pub fn color_difference(
         &self,
         picture: &Picture,

@@ -4,8 +4,8 @@
 //! Portable code and AVX2 give the same; a processor with AVX-512 uses AVX2. A [`ByteKernel`] runs
 //! with those of an [`Isa`], compiled for it.
 //!
-//! The `unsafe` here, and its argument: AVX2's operations belong to a value that only [`run`] makes,
-//! for an [`Isa`] that has them, and the loads are from arrays of the size that they read.
+//! The `unsafe` here, and its argument: AVX2's operations belong to a value that only [`run`]
+//! makes, for an [`Isa`] that has them, and the loads are from arrays of the size that they read.
 
 use super::isa::Isa;
 

@@ -1,5 +1,5 @@
-//! Parses lines in parallel: each thread takes the next block, parses it, and adds its rows to those
-//! of the blocks before. No thread waits for the others after each block.
+//! Parses lines in parallel: each thread takes the next block, parses it, and adds its rows to
+//! those of the blocks before. No thread waits for the others after each block.
 
 use std::sync::{Mutex, PoisonError};
 
