@@ -1,7 +1,7 @@
 //! Memory of large arrays, on huge pages if the system provides them.
 //!
 //! The system gives memory page by page when it is first written. With pages of 4 KB, that is a
-//! quarter of the time in which a text is read into it; with pages of 2 MB, a twentieth.
+//! good part of the time in which a text is read into it; with pages of 2 MB, a small one.
 //!
 //! The `unsafe` here, and its argument: advice about memory changes neither what is in it nor who
 //! owns it.
