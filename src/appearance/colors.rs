@@ -1,11 +1,14 @@
 //! The colours of particles.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::color::{Rgb, linear_from_srgb};
 use crate::math::DVec3;
 use crate::names::did_you_mean;
 use crate::particles::{Column, ColumnData, Particles, Role};
+use crate::task::pages::collect;
 
 use super::color_map::ColorMap;
 use super::element::Element;
@@ -158,7 +161,7 @@ fn of_file(particles: &Particles) -> Result<Colors, AppearanceError> {
         linear_from_srgb(value as f32)
     };
     let color = |row| [red, green, blue].map(|column| linear(column, row));
-    Ok(Colors::Each((0..particles.len()).into_par_iter().map(color).collect()))
+    Ok(Colors::Each(collect((0..particles.len()).into_par_iter().map(color))))
 }
 
 /// Red, green and blue grow along x, y and z. The longest side of the bounding box sets the scale,
@@ -178,7 +181,7 @@ fn of_position(particles: &Particles) -> Colors {
         let at = at.clamp(DVec3::splat(0.001), DVec3::ONE);
         (at / at.length()).to_array().map(|x| linear_from_srgb(x as f32))
     };
-    Colors::Each(rows().map(color).collect())
+    Colors::Each(collect(rows().map(color)))
 }
 
 fn of_elements(particles: &Particles) -> Result<(Colors, Legend), AppearanceError> {
@@ -188,7 +191,7 @@ fn of_elements(particles: &Particles) -> Result<(Colors, Legend), AppearanceErro
     let color = |kind: &Option<&Element>| kind.map_or(UNKNOWN, |e| e.color().to_array());
     let known: Vec<[f32; 3]> = elements.kinds.iter().map(color).collect();
     let rows = (0..particles.len()).into_par_iter();
-    let colors: Vec<[f32; 3]> = rows.map(|row| known[elements.kind(row)]).collect();
+    let colors = collect(rows.map(|row| known[elements.kind(row)]));
     let mut is_there = vec![false; elements.kinds.len()];
     (0..particles.len()).for_each(|row| is_there[elements.kind(row)] = true);
     let present = elements.kinds.iter().zip(is_there).filter(|(_, there)| *there);
@@ -204,7 +207,7 @@ fn of_categories(column: &Column, rows: usize) -> (Colors, Legend) {
     let (names, index_of) = categories(column, rows);
     let entries = names.iter().map(|(name, index)| (name.clone(), palette(*index))).collect();
     let color = |row: usize| palette(index_of(row)).to_array();
-    let colors = Colors::Each((0..rows).into_par_iter().map(color).collect());
+    let colors = Colors::Each(collect((0..rows).into_par_iter().map(color)));
     (colors, Legend::Categories { title: column.name.clone(), entries })
 }
 
@@ -223,9 +226,12 @@ fn categories(column: &Column, rows: usize) -> (Vec<(String, usize)>, CategoryOf
         order.iter().zip(0..).for_each(|(word, index)| rank[*word] = index);
         return (names, Box::new(move |row| rank[words.codes[row] as usize]));
     }
-    let mut values: Vec<i64> = (0..rows).map(|row| column.number(row) as i64).collect();
-    values.sort_unstable();
-    values.dedup();
+    let add = |mut values: BTreeSet<i64>, row| {
+        values.insert(column.number(row) as i64);
+        values
+    };
+    let values = (0..rows).into_par_iter().fold(BTreeSet::new, add);
+    let values = values.reduce(BTreeSet::new, |a, b| a.into_iter().chain(b).collect());
     let first = values.first().copied().unwrap_or(0).min(1);
     let index = move |value: i64| value.saturating_sub(first).unsigned_abs() as usize;
     let names = values.iter().map(|value| (value.to_string(), index(*value))).collect();
@@ -274,7 +280,7 @@ fn of_column_or_expression(
             table[at.round() as usize]
         }
     };
-    let colors = Colors::Each(values.par_iter().map(color).collect());
+    let colors = Colors::Each(collect(values.par_iter().map(color)));
     let title = column.map_or_else(|| text.to_owned(), |column| column.name.clone());
     let legend = Legend::Range { title, map, range };
     let ends = [range.low, range.high].map(RangeEnd::Number);

@@ -12,6 +12,7 @@ use super::more_spheres::{draw_cell, repeat};
 use super::options::Appearance;
 use super::particle_columns::ParticleColumns;
 use super::radii::{Radii, radii};
+use super::unknown_elements;
 use super::value_range::{RangeChoice, RangeEnd};
 
 /// Gives particles radii and colours.
@@ -31,6 +32,8 @@ pub fn dress(mut particles: Particles, options: &Appearance) -> Result<Dressed, 
     }
     let (mut radii, radius) = radii(&particles, options)?;
     let mut coloring = colors(&particles, options)?;
+    let unknown = unknown_elements::note(&particles, rows.as_deref(), &radius, &coloring.choice);
+    particles.notes.extend(unknown);
     let mut hidden = Vec::new();
     if let Some(text) = &options.slice {
         let cut = condition(&particles, "slice", text)?;

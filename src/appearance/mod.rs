@@ -24,6 +24,7 @@ mod questions;
 mod radii;
 mod spacing;
 mod ticks;
+mod unknown_elements;
 mod value_range;
 
 pub use self::colors::{Colors, Legend};

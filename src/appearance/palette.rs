@@ -1,5 +1,7 @@
 //! Colours for categories.
 
+use std::sync::LazyLock;
+
 use crate::color::{Rgb, linear_from_srgb};
 
 /// Ten colours that are told apart, also by most people with colour vision deficiencies: Petroff
@@ -19,6 +21,10 @@ const COLORS: [[u8; 3]; 10] = [
 
 /// The colour of a category in linear Rec. 709. After ten, the colours repeat.
 pub fn palette(index: usize) -> Rgb {
-    let srgb = COLORS[index % COLORS.len()];
-    Rgb::from_array(srgb.map(|value| linear_from_srgb(f32::from(value) / 255.0)))
+    LINEAR[index % COLORS.len()]
 }
+
+/// The colours in linear Rec. 709, computed once for all particles.
+static LINEAR: LazyLock<[Rgb; COLORS.len()]> = LazyLock::new(|| {
+    COLORS.map(|srgb| Rgb::from_array(srgb.map(|value| linear_from_srgb(f32::from(value) / 255.0))))
+});

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::particles::{ColumnData, Format, LengthUnit, Particles, Role};
+use crate::task::pages::collect;
 
 use super::element::Element;
 use super::elements::particle_elements;
@@ -128,13 +129,12 @@ fn of_elements(
     if let [only] = known[..] {
         return Ok(Radii::Constant(only));
     }
-    let radii: Vec<f32> =
-        (0..particles.len()).into_par_iter().map(|row| known[elements.kind(row)] as f32).collect();
-    Ok(Radii::F32(radii))
+    let rows = (0..particles.len()).into_par_iter();
+    Ok(Radii::F32(collect(rows.map(|row| known[elements.kind(row)] as f32))))
 }
 
 /// Radius of atoms without a known element, such as dummies, in angstrom.
-const UNKNOWN_ELEMENT_RADIUS: f64 = 0.8;
+pub(super) const UNKNOWN_ELEMENT_RADIUS: f64 = 0.8;
 
 fn of_expression(particles: &Particles, text: &str, scale: f64) -> Result<Radii, AppearanceError> {
     // A column in f32 stays one.

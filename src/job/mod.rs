@@ -61,6 +61,7 @@ pub use quality::Quality;
 pub use samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
 pub use save_request::SaveRequest;
 pub use session::{Session, SessionOptions};
+pub use shown_colors::ColorDifference;
 pub use spec::{Job, StopCriteria, UNLIMITED_SAMPLES};
 pub use warnings::{render_warnings, scene_warnings};
 

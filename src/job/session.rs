@@ -28,7 +28,7 @@ use super::progressive::Counters;
 use super::render_state::RenderState;
 use super::resume;
 use super::save_request::SaveRequest;
-use super::shown_colors::median_difference;
+use super::shown_colors::{ColorDifference, median_difference};
 use super::spec::Job;
 use super::warnings::render_warnings;
 
@@ -285,10 +285,13 @@ impl Session {
         picture
     }
 
-    /// The median CIEDE2000 between the colours of particles in a picture of the session as a
-    /// screen shows them, and those that a colour bar shows; `None` if no particle of a file is
-    /// seen.
-    pub fn color_difference(&self, picture: &Picture, look: &ViewTransform) -> Option<f64> {
+    /// How far the colours of particles in a picture of the session, as a screen shows them, are
+    /// from those that a colour bar shows; `None` if no particle of a file is seen.
+    pub fn color_difference(
+        &self,
+        picture: &Picture,
+        look: &ViewTransform,
+    ) -> Option<ColorDifference> {
         let RenderState { prepared, accel, film, .. } = &*self.state;
         median_difference(prepared, &**accel, film.frame(), picture, look)
     }

@@ -41,7 +41,13 @@ impl Isa {
         let mut found = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
-            if allows(VectorWidth::Avx2) && is_x86_feature_detected!("avx2") {
+            if allows(VectorWidth::Avx2)
+                && is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt")
+            {
                 found.push(Self(Level::Avx2));
             }
             #[cfg(has_avx512)]
@@ -71,6 +77,13 @@ impl Isa {
             #[cfg(all(target_arch = "x86_64", has_avx512))]
             Level::Avx512 => "AVX-512",
         }
+    }
+
+    /// Returns true if it has AVX2, with what every processor with AVX2 has: BMI1, BMI2, LZCNT and
+    /// POPCNT.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn has_avx2(self) -> bool {
+        self.0 != Level::Portable
     }
 
     /// Runs a kernel with this instruction set.

@@ -1,5 +1,7 @@
 //! Vectors, frames, rays, and rectangles of pixels.
 
+#[allow(unsafe_code, reason = "calls vector instructions where they were found")]
+pub(crate) mod bytes;
 mod frame;
 #[allow(unsafe_code, reason = "calls functions compiled for the instructions that were found")]
 mod isa;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::appearance::{AppearanceError, Colors, Dressed, Radii, dress, needed_columns};
 use crate::error::{Error, Result};
 use crate::particles::{Particles, Positions, Wanted, read, survey};
+use crate::task::pages::collect;
 
 use super::colors::PackedColor;
 use super::data::{SphereArrays, StridedArray};
@@ -105,13 +106,13 @@ pub(super) fn arrays(
         Radii::F32(radii) => StridedArray::from_vec(radii),
         Radii::F64(radii) => StridedArray::from_vec(radii),
     };
-    let mut colors = std::mem::replace(&mut dressed.colors, Colors::Each(Vec::new()));
+    let colors = std::mem::replace(&mut dressed.colors, Colors::Each(Vec::new()));
     let emission = (glow > 0.0).then(|| in_columns(scaled(&colors, glow), len));
-    if shade < 1.0 {
-        colors = scaled(&colors, shade);
-    }
     let color = match (colors, storage) {
-        (Colors::Each(colors), ColorStorage::Packed) => StridedArray::packed(packed(&colors)),
+        (Colors::Each(colors), ColorStorage::Packed) => {
+            StridedArray::packed(packed(&colors, shade))
+        }
+        (colors, _) if shade < 1.0 => in_columns(scaled(&colors, shade), len),
         (colors, _) => in_columns(colors, len),
     };
     SphereArrays { center, radius, color: Some(color), emission, ids: None }
@@ -128,8 +129,10 @@ fn scaled(colors: &Colors, factor: f64) -> Colors {
 }
 
 /// Particles may be kept for many renders, so they take no more memory than in a scene.
-fn packed(colors: &[[f32; 3]]) -> Vec<PackedColor> {
-    colors.par_iter().map(|color| PackedColor::new(*color, [1.0; 3])).collect()
+fn packed(colors: &[[f32; 3]], shade: f64) -> Vec<PackedColor> {
+    let shade = shade.min(1.0) as f32;
+    let pack = |color: &[f32; 3]| PackedColor::new(color.map(|c| c * shade), [1.0; 3]);
+    collect(colors.par_iter().map(pack))
 }
 
 fn in_columns(colors: Colors, len: usize) -> [StridedArray; 3] {

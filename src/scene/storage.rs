@@ -1,6 +1,7 @@
 //! Fallible memory allocation for scene data.
 
 use crate::error::{Error, Result};
+use crate::task::pages::try_reserve;
 
 use super::colors::SphereColors;
 use super::description::ColorStorage;
@@ -16,7 +17,7 @@ pub(super) fn reserve_colors(storage: ColorStorage, rows: u64) -> Result<SphereC
 /// Reserves memory for `count` elements.
 pub(super) fn try_with_capacity<T>(count: u64) -> Result<Vec<T>> {
     let mut vec = Vec::new();
-    vec.try_reserve_exact(count as usize).map_err(|_| {
+    try_reserve(&mut vec, count as usize).map_err(|_| {
         Error::input(format!("there is not enough memory for {count} spheres"))
             .with_help("leave some sphere tables out")
     })?;

@@ -3,6 +3,8 @@
 mod cancel;
 mod memory;
 pub mod memory_limits;
+#[allow(unsafe_code, reason = "advises the system about memory")]
+pub(crate) mod pages;
 pub(crate) mod parallel;
 mod progress;
 

@@ -7,7 +7,7 @@ use crate::denoise::DenoisedPicture;
 use crate::error::{Error, Result};
 use crate::image_io::{AtomicFile, Picture};
 use crate::job::save::{self, RetryPolicy, SaveTask, SaveTasks};
-use crate::job::{PictureRecord, RunOutcome, Session, StopReason};
+use crate::job::{ColorDifference, PictureRecord, RunOutcome, Session, StopReason};
 
 use super::super::exit::Exit;
 use super::super::interrupt::Interrupt;
@@ -68,7 +68,11 @@ impl RenderFinisher<'_> {
     /// # Errors
     /// If there is not one sample, or a file cannot be written. The other files are then still
     /// written where possible, and what would be lost is saved elsewhere.
-    fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<Option<f64>> {
+    fn save_all(
+        &self,
+        reached: &RunOutcome,
+        last_look: &FinalUpdate<'_>,
+    ) -> Result<Option<ColorDifference>> {
         let session = self.session;
         if session.film().sample_count() == 0 {
             let help = "no sample was finished, so no picture was written";
@@ -155,7 +159,7 @@ impl RenderFinisher<'_> {
         &self,
         reached: &RunOutcome,
         render_s: f64,
-        color_difference: Option<f64>,
+        color_difference: Option<ColorDifference>,
     ) -> Result<()> {
         let (samples, rays, about_film) = self.session.statistics();
         let complaint =

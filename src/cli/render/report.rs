@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::job::{NoiseStatus, RunOutcome, Session, StopReason};
+use crate::job::{ColorDifference, NoiseStatus, RunOutcome, Session, StopReason};
 
 use super::super::recorded_outputs::resume_command;
 use super::super::{outputs, print, scene_file, system};
@@ -32,8 +32,8 @@ pub(super) struct Report<'a> {
     pub(super) rays: u64,
     pub(super) times: Times,
     pub(super) render_s: f64,
-    /// Median CIEDE2000 between the colours of particles and those of the legend.
-    pub(super) color_difference: Option<f64>,
+    /// How far the colours of particles are from those of the legend.
+    pub(super) color_difference: Option<ColorDifference>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -99,8 +99,14 @@ impl Report<'_> {
         }
         if let Some(difference) = self.color_difference {
             line(format_args!(
-                "\ncolours differ from the legend by {difference:.1} (median CIEDE2000)"
+                "\ncolours differ from the legend by {:.1} (median CIEDE2000)",
+                difference.median
             ));
+            if difference.is_of_mixtures {
+                line(format_args!(
+                    ": most particles are smaller than a pixel, which mixes their colours"
+                ));
+            }
         }
         line(format_args!("\n{}", self.ending()));
         text
@@ -129,7 +135,7 @@ impl Report<'_> {
             "samples_in_all": session.film().sample_count(),
             "rays": self.rays,
             "error": self.reached.error,
-            "color_difference": self.color_difference,
+            "color_difference": self.color_difference.map(|difference| difference.median),
             "noise": self.reached.noise.map(noise_in_json),
             "samples_per_s": self.samples as f64 / self.render_s,
             "rays_per_s": self.rays as f64 / self.render_s,

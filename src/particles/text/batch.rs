@@ -2,6 +2,7 @@
 
 use crate::particles::column::Column;
 use crate::particles::model::Positions;
+use crate::task::pages::try_reserve;
 
 use super::values::{Kind, Values};
 
@@ -41,25 +42,21 @@ impl Batch {
     /// Takes memory for more rows at once, if there is as much: growing step by step may hold old
     /// and new values.
     pub(in crate::particles) fn reserve(&mut self, rows: usize) {
-        let _ = self.positions.try_reserve_exact(rows);
+        let _ = try_reserve(&mut self.positions, rows);
         self.columns.iter_mut().for_each(|column| column.reserve(rows));
     }
 
-    /// Appends all rows of other batches with the same columns, on two threads: the system gives
-    /// memory page by page, which takes longer than the copy.
-    pub(super) fn append<'b>(&mut self, others: impl Iterator<Item = &'b mut Self>) {
-        let (positions, columns): (Vec<_>, Vec<_>) =
-            others.map(|other| (&other.positions, &mut other.columns)).unzip();
-        let append_positions =
-            || positions.into_iter().for_each(|more| self.positions.extend_from_slice(more));
-        let append_columns = || {
-            for others in columns {
-                for (column, more) in self.columns.iter_mut().zip(others) {
-                    column.append(more);
-                }
-            }
-        };
-        rayon::join(append_positions, append_columns);
+    /// No rows, with columns of the same kinds.
+    pub(super) fn empty_like(&self) -> Self {
+        Self::new(self.columns.iter().map(Values::kind))
+    }
+
+    /// Appends all rows of another batch with the same columns.
+    pub(super) fn append(&mut self, other: &mut Self) {
+        self.positions.extend_from_slice(&other.positions);
+        for (column, more) in self.columns.iter_mut().zip(&mut other.columns) {
+            column.append(more);
+        }
     }
 
     /// The positions, and the columns with these names.

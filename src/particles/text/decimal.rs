@@ -47,6 +47,19 @@ const fn reciprocals() -> [u128; MAX_DIGITS + 1] {
     all
 }
 
+/// How many bits 5^k has.
+const POWER_BITS: [i32; MAX_DIGITS + 1] = power_bits();
+
+const fn power_bits() -> [i32; MAX_DIGITS + 1] {
+    let mut all = [0; MAX_DIGITS + 1];
+    let mut k = 0;
+    while k <= MAX_DIGITS {
+        all[k] = 128 - 5u128.pow(k as u32).leading_zeros() as i32;
+        k += 1;
+    }
+    all
+}
+
 /// The digits at the beginning of a text: their number as an integer, and how many there are. More
 /// than [`MAX_DIGITS`] may overflow.
 #[inline(always)]
@@ -175,6 +188,7 @@ pub(super) fn quotient(mantissa: u64, decimals: usize, digits: usize) -> Option<
 
 /// The f64 nearest to mantissa / 10^k, of which ties go to even, for a mantissa above 2^53 and k
 /// above 0.
+#[inline(always)]
 fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
     /// A quotient by a higher power of 5 is no tie: the mantissa would have more than 64 bits.
     const MAX_TIE_POWER: usize = 4;
@@ -182,7 +196,11 @@ fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
     let normal = mantissa << shift;
     let [low, high] = [RECIPROCALS[k] as u64, (RECIPROCALS[k] >> 64) as u64];
     let wide = |a: u64, b: u64| u128::from(a) * u128::from(b);
-    let product = wide(normal, high) + (wide(normal, low) >> 64);
+    let mut product = wide(normal, high);
+    // Elsewhere, what the lower half adds changes no bit that counts.
+    if matches!((product >> 64) as u64 & 0x1ff, 0 | 0x1ff) {
+        product += wide(normal, low) >> 64;
+    }
     let (upper, lower) = ((product >> 64) as u64, product as u64);
     // 54 bits: those of an f64, and one that decides the rounding.
     let drop = (upper >> 63) + 9;
@@ -192,8 +210,7 @@ fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
         bits &= !1;
     }
     let rounded = (bits + (bits & 1)) >> 1;
-    let bits_of_power = 128 - 5u128.pow(k as u32).leading_zeros() as i32;
-    let exponent = 2 + drop as i32 - shift as i32 - k as i32 - bits_of_power;
+    let exponent = 2 + drop as i32 - shift as i32 - k as i32 - POWER_BITS[k];
     // Exact, because the exponent is far from the ends of the range.
     rounded as f64 * f64::from_bits(((1023 + exponent) as u64) << 52)
 }

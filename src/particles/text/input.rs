@@ -2,6 +2,7 @@
 //! ahead, in blocks that end where a line does, so that they are parsed where they lie.
 
 use std::io::{self, Read};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::thread;
@@ -9,12 +10,8 @@ use std::thread;
 use crate::particles::source::Source;
 use crate::particles::trouble::{Outcome, Trouble, io_failure};
 
-/// Bytes of a block for each thread that parses it. Few blocks, used again and again, stay in the
-/// cache.
-const BLOCK_BYTES_PER_THREAD: usize = 1 << 19;
-
-/// Least and greatest size of a block.
-const BLOCK_BYTES: [usize; 2] = [1 << 19, 8 << 20];
+/// Bytes of a block, which a thread parses. Small blocks, used again and again, stay in the cache.
+const BLOCK_BYTES: usize = 1 << 19;
 
 /// Longest line of rows.
 const MAX_ROW_BYTES: usize = 8 << 20;
@@ -24,6 +21,26 @@ const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// What some programs write before text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Whole lines, taken out of a text.
+#[derive(Default)]
+pub(super) struct Lines {
+    memory: Vec<u8>,
+    range: Range<usize>,
+    count: u64,
+}
+
+impl Lines {
+    /// The lines.
+    pub(super) fn text(&self) -> &[u8] {
+        &self.memory[self.range.clone()]
+    }
+
+    /// How many they are.
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+}
 
 /// Text that is read forward.
 pub(in crate::particles) struct Input {
@@ -131,6 +148,23 @@ impl Input {
         self.consume(self.start + bytes, lines);
     }
 
+    /// Takes out lines that [`Self::peek_lines`] returned, in exchange for memory to be used again.
+    pub(super) fn take_lines(&mut self, bytes: usize, count: u64, to: &mut Lines) {
+        let (start, end) = (self.start, self.start + bytes);
+        if end == self.buffer.len() {
+            std::mem::swap(&mut self.buffer, &mut to.memory);
+            to.range = start..end;
+            self.buffer.clear();
+            self.consume(0, count);
+        } else {
+            to.memory.clear();
+            to.memory.extend_from_slice(&self.buffer[start..end]);
+            to.range = 0..bytes;
+            self.consume(end, count);
+        }
+        to.count = count;
+    }
+
     fn consume(&mut self, end: usize, lines: u64) {
         self.start = end;
         self.line += lines;
@@ -210,16 +244,16 @@ fn end_of_lines(text: &[u8]) -> usize {
     memchr::memrchr(b'\n', text).map_or(0, |last| last + 1)
 }
 
-/// Reads blocks of whole lines in a thread of its own, two ahead. `begun` is the beginning of the
+/// Reads blocks of whole lines in a thread of its own, some ahead. `begun` is the beginning of the
 /// first line.
 fn read_ahead(
     mut begun: Vec<u8>,
     mut from: Box<dyn Read + Send>,
     spare: Receiver<Vec<u8>>,
 ) -> Receiver<io::Result<Vec<u8>>> {
-    let [least, most] = BLOCK_BYTES;
-    let size = (rayon::current_num_threads() * BLOCK_BYTES_PER_THREAD).clamp(least, most);
-    let (sender, receiver) = sync_channel(2);
+    let size = BLOCK_BYTES;
+    let ahead = rayon::current_num_threads().max(2);
+    let (sender, receiver) = sync_channel(ahead);
     let work = move || {
         loop {
             let mut block = spare.try_recv().unwrap_or_default();

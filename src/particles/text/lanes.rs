@@ -4,11 +4,13 @@
 //! how many there are: the same steps for all lanes, which the compiler turns into vector
 //! instructions. Values are those of [`super::decimal`], to the bit.
 
+use crate::math::bytes::{ByteOps, Digits};
+
 use super::decimal::{POWERS, quotient};
 use super::lane_digits::{LANES, Lanes, digits};
 
 /// Most bytes of a number, without its sign: 19 digits and a point.
-const MAX_BYTES: u64 = 20;
+const MAX_BYTES: usize = 20;
 
 /// Where values are in a text.
 #[derive(Clone, Copy)]
@@ -43,15 +45,15 @@ impl Places<'_> {
 
     /// Decimal numbers with a point and without an exponent; `None` if one is something else.
     #[inline(always)]
-    pub(super) fn floats(&self) -> Option<Lanes<f64>> {
+    pub(super) fn floats(&self, ops: impl ByteOps) -> Option<Lanes<f64>> {
         // Numbers of a column have similar lengths.
         let (start, end) = self.of(0);
         if end.saturating_sub(start) > 15 {
-            return self.long_floats();
+            return self.long_floats(ops);
         }
         let short: Unsigned<2> = self.unsigned()?;
         if short.most > 16 {
-            return self.long_floats();
+            return self.long_floats(ops);
         }
         // At most 15 digits, which are exact.
         let digits = digits(&short.words, &short.lengths, true)?;
@@ -64,18 +66,21 @@ impl Places<'_> {
         Some(values)
     }
 
+    /// Those with up to 19 digits, whose vectors are too long to be several at once.
     #[inline(always)]
-    fn long_floats(&self) -> Option<Lanes<f64>> {
-        let Unsigned { words, lengths, signs, most } = self.unsigned::<3>()?;
-        if most > MAX_BYTES {
-            return None;
-        }
-        let digits = digits(&words, &lengths, true)?;
+    fn long_floats(&self, ops: impl ByteOps) -> Option<Lanes<f64>> {
         let mut values = [0.0; LANES];
         for (lane, value) in values.iter_mut().enumerate() {
-            let (count, decimals) = (lengths[lane] as usize - 1, digits.decimals[lane] as usize);
-            let number = quotient(digits.mantissa[lane], decimals, count)?;
-            *value = f64::from_bits(number.to_bits() | signs[lane] << 63);
+            let (start, end) = self.of(lane);
+            let is_negative = self.text[start] == b'-';
+            let length = end.wrapping_sub(start + usize::from(is_negative));
+            let Digits { mantissa, decimals, is_wrong } =
+                ops.long_digits(self.text[..end].last_chunk()?, length);
+            if is_wrong | !(2..=MAX_BYTES).contains(&length) {
+                return None;
+            }
+            let number = quotient(mantissa, decimals as usize, length - 1)?;
+            *value = f64::from_bits(number.to_bits() | u64::from(is_negative) << 63);
         }
         Some(values)
     }
@@ -129,13 +134,40 @@ impl Places<'_> {
 #[cfg(test)]
 mod tests {
     use crate::math::Isa;
+    use crate::math::bytes::{self, ByteKernel};
 
     use super::super::marks::{Marks, Separator};
     use super::*;
 
+    /// Numbers in each row, by the widest vectors and without any.
+    struct Asking<'a, 't> {
+        places: Places<'t>,
+        floats: &'a mut Option<Lanes<f64>>,
+        integers: &'a mut Option<Lanes<i64>>,
+    }
+
+    impl ByteKernel for Asking<'_, '_> {
+        #[inline(always)]
+        fn run(self, ops: impl ByteOps) {
+            *self.floats = self.places.floats(ops);
+            *self.integers = self.places.integers();
+        }
+    }
+
+    fn asked(places: Places<'_>) -> (Option<Lanes<f64>>, Option<Lanes<i64>>) {
+        let ask = |isa: Isa| {
+            let (mut floats, mut integers) = (None, None);
+            bytes::run(isa, Asking { places, floats: &mut floats, integers: &mut integers });
+            (floats, integers)
+        };
+        let (portable, best) = (ask(Isa::PORTABLE), ask(Isa::best()));
+        assert_eq!(portable, best);
+        best
+    }
+
     /// One number in each row, after bytes that belong to none.
     fn with_places<T>(numbers: &[String], use_of: impl Fn(Places<'_>) -> T) -> T {
-        let text = format!("{}\n{}\n", ".7".repeat(12), numbers.join("\n"));
+        let text = format!("{}\n{}\n", ".7".repeat(16), numbers.join("\n"));
         let mut marks = Marks::default();
         marks.mark(text.as_bytes(), Separator::Delimiter(b','), Isa::best());
         use_of(Places { text: text.as_bytes(), marks: &marks.starts()[1..], stride: 1, at: 0 })
@@ -143,7 +175,7 @@ mod tests {
 
     fn floats(numbers: &[String]) -> Option<Vec<u64>> {
         let bits = |values: Lanes<f64>| values.map(f64::to_bits).to_vec();
-        with_places(numbers, |places| places.floats().map(bits))
+        with_places(numbers, |places| asked(places).0.map(bits))
     }
 
     /// Numbers with a point somewhere, some of them negative.
@@ -209,7 +241,7 @@ mod tests {
 
     #[test]
     fn integers_have_up_to_sixteen_digits() {
-        let integers = |numbers: &[String]| with_places(numbers, |places| places.integers());
+        let integers = |numbers: &[String]| with_places(numbers, |places| asked(places).1);
         let mut numbers: Vec<i64> = (0..LANES as i64).map(|n| (n - 5) * 1111).collect();
         for (lane, most) in [(3, 99_999_999), (4, -9_999_999_999_999_999)] {
             numbers[lane] = most;

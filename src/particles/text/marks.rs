@@ -4,7 +4,8 @@
 //! all beginnings known, a processor works on several values at once (as in Langdale and Lemire,
 //! "Parsing gigabytes of JSON per second", 2019).
 
-use crate::math::{Isa, SimdKernel};
+use crate::math::Isa;
+use crate::math::bytes::{self, ByteKernel, ByteOps, WORD};
 
 /// What separates values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,9 +15,6 @@ pub(in crate::particles) enum Separator {
     /// This byte, or the end of a line. A value begins with the byte after it, whatever that is.
     Delimiter(u8),
 }
-
-/// Bytes that are looked at together, one bit for each.
-const WORD: usize = 64;
 
 /// Beginnings of a word that are stored without asking how many there are.
 const USUAL: usize = 12;
@@ -49,21 +47,7 @@ impl<'t> MarkedRow<'t> {
 impl Marks {
     /// Marks the values of a text below 4 GiB, which begins with a line.
     pub(in crate::particles) fn mark(&mut self, text: &[u8], separator: Separator, isa: Isa) {
-        isa.run(Marking { to: self, text, separator });
-    }
-
-    #[inline(always)]
-    fn mark_all(&mut self, text: &[u8], separator: Separator) {
-        self.count = 0;
-        match separator {
-            Separator::Blanks => {
-                self.mark_with(text, |byte| byte <= b' ', |blank, follows| follows & !blank);
-            }
-            Separator::Delimiter(delimiter) => {
-                let is_end = |byte| byte == delimiter || byte == b'\n';
-                self.mark_with(text, is_end, |_, follows| follows);
-            }
-        }
+        bytes::run(isa, Marking { to: self, text, separator });
     }
 
     /// The beginnings, in order. A delimiter at the end of the text has one after it.
@@ -71,52 +55,69 @@ impl Marks {
         &self.starts[..self.count]
     }
 
-    /// `starts` makes the bits of beginnings from those of separators and of what follows them.
     #[inline(always)]
-    fn mark_with(
-        &mut self,
-        text: &[u8],
-        is_separator: impl Fn(u8) -> bool,
-        starts: impl Fn(u64, u64) -> u64,
-    ) {
+    fn mark_all(&mut self, text: &[u8], separator: Separator, ops: impl ByteOps) {
+        self.count = 0;
         // A line begins like what follows a separator.
         let mut carry = 1;
         let words = text.chunks_exact(WORD);
         let rest = words.remainder();
         let mut base = 0;
-        for word in words.filter_map(|word| word.first_chunk()) {
-            let separators = bits(word, &is_separator);
-            self.push(base, starts(separators, separators << 1 | carry));
+        for word in words {
+            let Some(word) = word.first_chunk() else { break };
+            let separators = separator.places(word, ops);
+            self.push(base, separator.beginnings(separators, separators << 1 | carry));
             carry = separators >> (WORD - 1);
             base += WORD as u32;
         }
         // Zeros are blanks.
         let mut last = [0; WORD];
         last[..rest.len()].copy_from_slice(rest);
-        let separators = bits(&last, &is_separator);
+        let separators = separator.places(&last, ops);
         // With the end of the text, where a value may begin that has no bytes.
         let is_inside = (2u64 << rest.len()).wrapping_sub(1);
-        self.push(base, starts(separators, separators << 1 | carry) & is_inside);
+        let beginnings = separator.beginnings(separators, separators << 1 | carry);
+        self.push(base, beginnings & is_inside);
     }
 
-    /// Adds the beginnings in a word. Each step needs the one before, so vectors do not help.
-    #[inline(never)]
+    /// Adds the beginnings in a word.
+    #[inline(always)]
     fn push(&mut self, base: u32, mut bits: u64) {
         if self.starts.len() < self.count + WORD {
             self.starts.resize((2 * self.starts.len()).max(1 << 10), 0);
         }
         let Some(to) = self.starts[self.count..].first_chunk_mut::<WORD>() else { return };
         let count = bits.count_ones() as usize;
-        let mut next = |start: &mut u32| {
+        // Those after the last one are overwritten.
+        for start in &mut to[..USUAL] {
             *start = base + bits.trailing_zeros();
             bits &= bits.wrapping_sub(1);
-        };
-        // Those after the last one are overwritten.
-        to[..USUAL].iter_mut().for_each(&mut next);
-        if count > USUAL {
-            to[USUAL..count].iter_mut().for_each(next);
+        }
+        for start in &mut to[USUAL..count.max(USUAL)] {
+            *start = base + bits.trailing_zeros();
+            bits &= bits.wrapping_sub(1);
         }
         self.count += count;
+    }
+}
+
+impl Separator {
+    /// The bits of separators in a word.
+    #[inline(always)]
+    fn places(self, word: &[u8; WORD], ops: impl ByteOps) -> u64 {
+        match self {
+            Self::Blanks => ops.at_most(word, b' '),
+            Self::Delimiter(byte) => ops.equal(word, byte) | ops.equal(word, b'\n'),
+        }
+    }
+
+    /// The bits of beginnings, from those of separators and of what follows them.
+    #[inline(always)]
+    fn beginnings(self, separators: u64, follows: u64) -> u64 {
+        match self {
+            Self::Blanks => follows & !separators,
+            Self::Delimiter(_) => follows,
+        }
     }
 }
 
@@ -127,29 +128,11 @@ struct Marking<'a> {
     separator: Separator,
 }
 
-impl SimdKernel for Marking<'_> {
+impl ByteKernel for Marking<'_> {
     #[inline(always)]
-    fn run(self) {
-        self.to.mark_all(self.text, self.separator);
+    fn run(self, ops: impl ByteOps) {
+        self.to.mark_all(self.text, self.separator, ops);
     }
-}
-
-/// A bit for each byte that is a separator, the lowest one for the first.
-#[inline(always)]
-fn bits(bytes: &[u8; WORD], is_separator: impl Fn(u8) -> bool) -> u64 {
-    /// Moves the lowest bit of each byte into the highest byte.
-    const GATHER: u64 = 0x0102_0408_1020_4080;
-    let mut flags = [0; WORD];
-    for (flag, byte) in flags.iter_mut().zip(bytes) {
-        *flag = u8::from(is_separator(*byte));
-    }
-    let mut bits = 0;
-    for at in 0..WORD / 8 {
-        let mut word = [0; 8];
-        word.copy_from_slice(&flags[8 * at..8 * at + 8]);
-        bits |= u64::from_le_bytes(word).wrapping_mul(GATHER) >> 56 << (8 * at);
-    }
-    bits
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Rows of the usual form, many at once.
 
-use crate::math::SimdKernel;
+use crate::math::bytes::{ByteKernel, ByteOps, WORD};
 
 use super::batch::Batch;
 use super::fields::FieldUse;
@@ -21,11 +21,11 @@ pub(super) struct UsualRows<'a, 't> {
     pub(super) end: &'a mut usize,
 }
 
-impl SimdKernel for UsualRows<'_, '_> {
+impl ByteKernel for UsualRows<'_, '_> {
     #[inline(always)]
-    fn run(self) {
+    fn run(self, ops: impl ByteOps) {
         let Self { uses, mut row, to, rows, end } = self;
-        while let Some(next) = parse_rows(uses, row, to) {
+        while let Some(next) = parse_rows(uses, row, to, ops) {
             *rows += LANES;
             *end = next;
             row = MarkedRow { start: next, marks: &row.marks[LANES * uses.len()..], ..row };
@@ -35,10 +35,15 @@ impl SimdKernel for UsualRows<'_, '_> {
 
 /// Appends [`LANES`] rows, and returns where the last line ends.
 #[inline(always)]
-fn parse_rows(uses: &[FieldUse], row: MarkedRow<'_>, to: &mut Batch) -> Option<usize> {
+fn parse_rows(
+    uses: &[FieldUse],
+    row: MarkedRow<'_>,
+    to: &mut Batch,
+    ops: impl ByteOps,
+) -> Option<usize> {
     let MarkedRow { text, start, marks } = row;
     let end = *marks.get(LANES * uses.len())? as usize;
-    if marks[0] as usize != start || !have_ends(uses.len(), row, end) {
+    if marks[0] as usize != start || !have_ends(uses.len(), row, end, ops) {
         return None;
     }
     let mut positions = [[0.0; LANES]; 3];
@@ -47,8 +52,8 @@ fn parse_rows(uses: &[FieldUse], row: MarkedRow<'_>, to: &mut Batch) -> Option<u
         let places = Places { text, marks, stride: uses.len(), at };
         match is {
             FieldUse::Skipped => places.are_plain(at == 0)?,
-            FieldUse::Position(axis) => positions[*axis] = places.floats()?,
-            FieldUse::Column(_) => push(columns.next()?, &places, at == 0)?,
+            FieldUse::Position(axis) => positions[*axis] = places.floats(ops)?,
+            FieldUse::Column(_) => push(columns.next()?, &places, at == 0, ops)?,
         }
     }
     let mut rows = [[0.0; 3]; LANES];
@@ -61,22 +66,31 @@ fn parse_rows(uses: &[FieldUse], row: MarkedRow<'_>, to: &mut Batch) -> Option<u
 
 /// Returns true if a line ends after each row, and no other one.
 #[inline(always)]
-fn have_ends(values: usize, row: MarkedRow<'_>, end: usize) -> bool {
-    let ends = |row: MarkedRow<'_>, at: usize| row.text[row.marks[at * values] as usize - 1];
-    let all = (1..=LANES).fold(true, |all, at| all & (ends(row, at) == b'\n'));
-    all && count_of_ends(&row.text[row.start..end]) == LANES
+fn have_ends(values: usize, row: MarkedRow<'_>, end: usize, ops: impl ByteOps) -> bool {
+    let mut all = true;
+    for at in 1..=LANES {
+        all &= row.text[row.marks[at * values] as usize - 1] == b'\n';
+    }
+    all && count_of_ends(&row.text[row.start..end], ops) == LANES
 }
 
 #[inline(always)]
-fn count_of_ends(text: &[u8]) -> usize {
-    let count = |bytes: &[u8]| bytes.iter().fold(0u8, |n, byte| n + u8::from(*byte == b'\n'));
-    text.chunks(128).map(|bytes| usize::from(count(bytes))).sum()
+fn count_of_ends(text: &[u8], ops: impl ByteOps) -> usize {
+    let words = text.chunks_exact(WORD);
+    let mut last = [0; WORD];
+    last[..words.remainder().len()].copy_from_slice(words.remainder());
+    let mut count = ops.equal(&last, b'\n').count_ones();
+    for word in words {
+        let Some(word) = word.first_chunk() else { break };
+        count += ops.equal(word, b'\n').count_ones();
+    }
+    count as usize
 }
 
 #[inline(always)]
-fn push(column: &mut Values, places: &Places<'_>, is_first: bool) -> Option<()> {
+fn push(column: &mut Values, places: &Places<'_>, is_first: bool, ops: impl ByteOps) -> Option<()> {
     match column {
-        Values::F64(values) => values.extend_from_slice(&places.floats()?),
+        Values::F64(values) => values.extend_from_slice(&places.floats(ops)?),
         Values::I64(values) => values.extend_from_slice(&places.integers()?),
         Values::I32(values) => {
             let wide: Lanes<i64> = places.integers()?;

@@ -1,50 +1,19 @@
-//! Parses lines in parallel.
+//! Parses lines in parallel: each thread takes the next block, parses it, and adds its rows to
+//! those of the blocks before. No thread waits for the others after each block.
+
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::math::Isa;
 use crate::particles::budget::Budget;
 use crate::particles::trouble::{Outcome, Trouble};
 
 use super::batch::Batch;
-use super::fields::FieldUse;
-use super::input::Input;
-use super::lane_digits::LANES;
-use super::marks::{MarkedRow, Marks, Separator};
-use super::row_lanes::UsualRows;
-
-/// Bytes that one task parses, at least.
-const TASK_BYTES: usize = 1 << 16;
-
-/// Most rows that are parsed one by one before many are tried at once.
-const MAX_PATIENCE: usize = 1 << 10;
-
-/// Parses one line after the other.
-pub(in crate::particles) trait LineParser: Sync {
-    /// Appends the rows of a line. The error says what was expected, and what was found.
-    ///
-    /// # Errors
-    /// If the line is wrong.
-    fn parse(&self, line: &[u8], to: &mut Batch) -> Result<(), String>;
-
-    /// What separates the values that [`Self::parse_quickly`] needs to be marked; `None` if it does
-    /// nothing.
-    fn separator(&self) -> Option<Separator> {
-        None
-    }
-
-    /// The values of a row, if rows may be parsed many at once where these are all of it.
-    fn values(&self) -> Option<&[FieldUse]> {
-        None
-    }
-
-    /// Appends a row if all of its values are common ones and all is right; returns where its line
-    /// ends in the text, its end included. Otherwise columns may have one value more, and
-    /// [`Self::parse`] decides.
-    fn parse_quickly(&self, _row: MarkedRow<'_>, _to: &mut Batch) -> Option<usize> {
-        None
-    }
-}
+use super::input::{Input, Lines};
+use super::joined::{Alarm, Joined, lock};
+use super::line_parser::LineParser;
+use super::marks::Marks;
+use super::piece::parse_piece;
 
 /// Which lines are read.
 #[derive(Clone, Copy)]
@@ -68,6 +37,14 @@ impl Section {
         };
         let fits = budget.check(held.saturating_mul(all) / rows.max(1)).is_ok();
         if fits { all.saturating_sub(rows) as usize } else { 0 }
+    }
+
+    /// Takes the next lines of the section; true if there may be more.
+    fn take(&self, input: &mut Input, done: u64, to: &mut Lines) -> Outcome<bool> {
+        let (text, count, has_more) = self.next(input, done)?;
+        let bytes = text.len();
+        input.take_lines(bytes, count, to);
+        Ok(has_more)
     }
 
     /// The next lines of the section, with their number, and true if there may be more.
@@ -113,150 +90,121 @@ pub(in crate::particles) fn read_rows(
     budget: Budget,
     all: &mut Batch,
 ) -> Outcome<u64> {
-    let mut done = 0;
-    let mut has_reserved = false;
-    // Batches keep their memory from one turn to the next.
-    let mut batches: Vec<(Batch, Marks)> = Vec::new();
-    loop {
-        let first = input.line_number();
-        let (text, lines, has_more) = section.next(input, done)?;
-        let pieces = split(text, rayon::current_num_threads() * 4);
-        batches.resize_with(pieces.len().max(batches.len()), Default::default);
-        batches.iter_mut().for_each(|(batch, _)| batch.clear_like(all));
-        let parse = |(piece, (batch, marks)): (&&[u8], &mut (Batch, Marks))| {
-            parse_piece(piece, parser, batch, marks)
-        };
-        let parsed: Vec<_> = pieces.par_iter().zip(&mut batches).map(parse).collect();
-        let (count, mut line) = (pieces.len(), first);
-        for parsed in parsed {
-            match parsed {
-                Ok(lines) => line += lines,
-                Err((at, message)) => return Err(Trouble::at(line + at, message).into()),
-            }
-        }
-        all.append(batches[..count].iter_mut().map(|(batch, _)| batch));
+    let threads = rayon::current_num_threads();
+    let length = input.length().unwrap_or(0);
+    let taking = Mutex::new(Taking { input, section, done: 0, index: 0, has_more: true });
+    let joined = Joined::new(all);
+    let rows_left = |first: &Batch, bytes: u64| section.rows_left(first, bytes, length, budget);
+    let join = |all: &mut Batch, batch: &mut Batch, bytes: usize| {
+        let is_first = all.positions.is_empty();
+        all.append(batch);
         budget.check(all.bytes())?;
-        let bytes = text.len();
-        if !std::mem::replace(&mut has_reserved, true) {
-            let length = input.length().unwrap_or(0);
-            all.reserve(section.rows_left(all, bytes as u64, length, budget));
+        if is_first {
+            all.reserve(rows_left(all, bytes as u64));
         }
-        input.consume_lines(bytes, lines);
-        done += lines;
-        if !has_more {
-            return Ok(done);
+        Ok(())
+    };
+    let work = |_| {
+        let _alarm = Alarm(&joined);
+        let (mut lines, mut marks) = (Lines::default(), Marks::default());
+        while let Some((index, first_line)) = take(&taking, &joined, &mut lines) {
+            let mut batch = joined.batch(index, threads);
+            let parsed = parse_piece(lines.text(), parser, &mut batch, &mut marks);
+            let parsed = parsed
+                .map_err(|(before, message)| Trouble::at(first_line + before, message).into());
+            joined.put(index, parsed.map(|_| (batch, lines.text().len())), &join);
         }
-    }
+    };
+    (0..threads).into_par_iter().with_max_len(1).for_each(work);
+    joined.finish()?;
+    Ok(taking.into_inner().unwrap_or_else(PoisonError::into_inner).done)
 }
 
-/// Cuts text at the ends of lines into about `count` pieces.
-fn split(text: &[u8], count: usize) -> Vec<&[u8]> {
-    let size = (text.len() / count.max(1)).max(TASK_BYTES);
-    let mut pieces = Vec::new();
-    let mut rest = text;
-    while rest.len() > size {
-        let Some(end) = memchr::memchr(b'\n', &rest[size..]) else { break };
-        let (piece, after) = rest.split_at(size + end + 1);
-        pieces.push(piece);
-        rest = after;
-    }
-    if !rest.is_empty() {
-        pieces.push(rest);
-    }
-    pieces
+/// Where the next block comes from.
+struct Taking<'i> {
+    input: &'i mut Input,
+    section: Section,
+    /// Number of lines so far.
+    done: u64,
+    /// Number of blocks so far.
+    index: usize,
+    has_more: bool,
 }
 
-/// Parses the lines of a piece; returns their number. The error has the number of lines before it.
-fn parse_piece(
-    piece: &[u8],
-    parser: &dyn LineParser,
-    batch: &mut Batch,
-    marks: &mut Marks,
-) -> Result<u64, (u64, String)> {
-    let Some(separator) = parser.separator() else { return parse_slowly(piece, parser, batch) };
-    let isa = Isa::best();
-    marks.mark(piece, separator, isa);
-    let (mut marks, mut values) = (marks.starts(), 0);
-    let (mut start, mut lines) = (0, 0);
-    let uses = parser.values().filter(|uses| isa != Isa::PORTABLE && !uses.is_empty());
-    let mut patience = Patience { rows_left: 0, next: LANES };
-    while start < piece.len() {
-        let row = MarkedRow { text: piece, start, marks };
-        if let Some(uses) = uses.filter(|_| patience.is_over()) {
-            let mut rows = 0;
-            isa.run(UsualRows { uses, row, to: batch, rows: &mut rows, end: &mut start });
-            batch.drop_incomplete_row();
-            marks = &marks[rows * uses.len()..];
-            lines += rows as u64;
-            patience.renew(rows > 0);
-            continue;
+/// Takes the next block: its index, and the number of its first line.
+fn take(taking: &Mutex<Taking<'_>>, joined: &Joined<'_>, to: &mut Lines) -> Option<(usize, u64)> {
+    let mut taking = lock(taking);
+    if !taking.has_more || joined.is_over() {
+        return None;
+    }
+    let Taking { input, section, done, index, has_more } = &mut *taking;
+    let first_line = input.line_number();
+    match section.take(input, *done, to) {
+        Ok(more) => *has_more = more,
+        Err(failure) => {
+            *has_more = false;
+            joined.fail(*index, failure);
         }
-        start = match parser.parse_quickly(row, batch) {
-            Some(end) => end,
-            None => {
-                batch.drop_incomplete_row();
-                let (line, length) = first_line(&piece[start..]);
-                parser.parse(line, batch).map_err(|message| (lines, message))?;
-                start + length
+    }
+    if to.count() == 0 || joined.is_over() {
+        return None;
+    }
+    *done += to.count();
+    *index += 1;
+    Some((*index - 1, first_line))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+    use std::path::Path;
+
+    use crate::particles::{Particles, ReadRequest, read_bytes};
+
+    /// Rows of many blocks, whose columns become wider late.
+    fn text() -> String {
+        let mut text = "id,x,y,z,kind\n".to_owned();
+        for row in 0..120_000i64 {
+            let id = if row == 90_000 { 5_000_000_000 } else { row };
+            let kind = ["b", "a", "c", "d"][if row < 60_000 { row % 2 } else { row % 4 } as usize];
+            let _ = writeln!(text, "{id},{},{:.9},-1.5,{kind}", row as f64 / 7.0, row as f64);
+        }
+        text
+    }
+
+    fn read(text: &str, threads: usize) -> Result<Particles, String> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let request = ReadRequest::default();
+        pool.install(|| read_bytes(Path::new("a.csv"), text.as_bytes(), &request))
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn rows_are_the_same_with_any_number_of_threads() {
+        let text = text();
+        let one = read(&text, 1).expect("it can be read");
+        assert_eq!(one.len(), 120_000);
+        for threads in [2, 5] {
+            let many = read(&text, threads).expect("it can be read");
+            assert_eq!(one.positions, many.positions);
+            assert!(one.columns == many.columns);
+        }
+    }
+
+    #[test]
+    fn the_first_wrong_line_is_said_with_any_number_of_threads() {
+        let text = text();
+        let wrong: Vec<&str> = text
+            .lines()
+            .enumerate()
+            .map(|(line, text)| if matches!(line, 50_000 | 95_000) { "1,2,3" } else { text })
+            .collect();
+        let one = read(&wrong.join("\n"), 1).expect_err("it is wrong");
+        assert!(one.starts_with("a.csv:50001: "), "{one}");
+        for threads in [2, 5] {
+            for _ in 0..3 {
+                assert_eq!(read(&wrong.join("\n"), threads).expect_err("it is wrong"), one);
             }
-        };
-        values = marks_before(marks, start, values);
-        marks = &marks[values..];
-        lines += 1;
+        }
     }
-    Ok(lines)
-}
-
-/// Rows to parse one by one before many are tried at once again.
-struct Patience {
-    rows_left: usize,
-    /// How many there will be after the next failure.
-    next: usize,
-}
-
-impl Patience {
-    /// Takes a row; true if none was left.
-    fn is_over(&mut self) -> bool {
-        let is_over = self.rows_left == 0;
-        self.rows_left -= usize::from(!is_over);
-        is_over
-    }
-
-    /// Begins again after a trial.
-    fn renew(&mut self, has_succeeded: bool) {
-        self.next = if has_succeeded { LANES } else { (2 * self.next).min(MAX_PATIENCE) };
-        self.rows_left = self.next;
-    }
-}
-
-/// How many marks are before a place; `usual` is tried first.
-#[inline(always)]
-fn marks_before(marks: &[u32], place: usize, usual: usize) -> usize {
-    let is_before = |at: usize| marks.get(at).is_some_and(|mark| (*mark as usize) < place);
-    if !is_before(usual) && (usual == 0 || is_before(usual - 1)) {
-        return usual;
-    }
-    marks.iter().position(|mark| *mark as usize >= place).unwrap_or(marks.len())
-}
-
-fn parse_slowly(
-    piece: &[u8],
-    parser: &dyn LineParser,
-    batch: &mut Batch,
-) -> Result<u64, (u64, String)> {
-    let (mut rest, mut lines) = (piece, 0);
-    while !rest.is_empty() {
-        let (line, length) = first_line(rest);
-        parser.parse(line, batch).map_err(|message| (lines, message))?;
-        rest = &rest[length..];
-        lines += 1;
-    }
-    Ok(lines)
-}
-
-/// The first line without its end, and its length with it.
-fn first_line(text: &[u8]) -> (&[u8], usize) {
-    let end = memchr::memchr(b'\n', text).unwrap_or(text.len());
-    let line = &text[..end];
-    (line.strip_suffix(b"\r").unwrap_or(line), text.len().min(end + 1))
 }

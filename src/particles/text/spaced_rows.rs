@@ -3,10 +3,10 @@
 use super::batch::Batch;
 use super::decimal::{leading_digits, short_float};
 use super::fields::{FieldUse, Fields};
+use super::line_parser::LineParser;
 use super::marks::{MarkedRow, Separator};
 use super::number::{float, tokens};
 use super::row_values::RowValues;
-use super::rows::LineParser;
 use super::values::Values;
 
 /// Parses rows of values between white space.

@@ -1,6 +1,7 @@
 //! Columns that grow, and widen their type when a value needs it.
 
 use crate::particles::column::ColumnData;
+use crate::task::pages::try_reserve;
 
 use super::number::{float, integer, is_missing};
 use super::words::Words;
@@ -145,9 +146,9 @@ impl Values {
     /// Takes memory for more values, if there is as much.
     pub(super) fn reserve(&mut self, count: usize) {
         let _ = match self {
-            Self::I32(values) => values.try_reserve_exact(count),
-            Self::I64(values) => values.try_reserve_exact(count),
-            Self::F64(values) => values.try_reserve_exact(count),
+            Self::I32(values) => try_reserve(values, count),
+            Self::I64(values) => try_reserve(values, count),
+            Self::F64(values) => try_reserve(values, count),
             Self::Text(words) => {
                 words.reserve(count);
                 Ok(())

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::particles::column::Categories;
+use crate::task::pages::try_reserve;
 
 /// Words that are found by comparing them with each.
 const MAX_RECENT: usize = 16;
@@ -19,14 +20,16 @@ pub(in crate::particles) struct Words {
 
 impl Words {
     /// Appends a word.
-    #[inline]
+    #[inline(always)]
     pub(in crate::particles) fn push(&mut self, word: &[u8]) {
         let key = short_key(word);
-        let known = key.and_then(|key| self.short.iter().find(|(known, _)| *known == key));
-        let code = match known {
-            Some((_, code)) => *code,
-            None => self.find(word, key),
-        };
+        for (known, code) in &self.short {
+            if Some(*known) == key {
+                self.words.codes.push(*code);
+                return;
+            }
+        }
+        let code = self.find(word, key);
         self.words.codes.push(code);
     }
 
@@ -60,7 +63,7 @@ impl Words {
 
     /// Takes memory for more words, if there is as much.
     pub(in crate::particles) fn reserve(&mut self, count: usize) {
-        let _ = self.words.codes.try_reserve_exact(count);
+        let _ = try_reserve(&mut self.words.codes, count);
     }
 
     /// Keeps the first words. The others may stay known.
@@ -71,7 +74,11 @@ impl Words {
     /// Appends all words of another column.
     pub(in crate::particles) fn append(&mut self, other: &Self) {
         let codes: Vec<u32> = other.words.names.iter().map(|name| self.code(name)).collect();
-        self.words.codes.extend(other.words.codes.iter().map(|&code| codes[code as usize]));
+        if codes.iter().copied().eq(0..codes.len() as u32) {
+            self.words.codes.extend_from_slice(&other.words.codes);
+        } else {
+            self.words.codes.extend(other.words.codes.iter().map(|&code| codes[code as usize]));
+        }
     }
 
     /// Bytes of memory, about.
@@ -88,11 +95,14 @@ impl Words {
 }
 
 /// A word of up to seven bytes as a number, which has its length.
-#[inline]
+#[inline(always)]
 fn short_key(word: &[u8]) -> Option<u64> {
     if word.len() > 7 {
         return None;
     }
-    let key = word.iter().fold(0, |key, &byte| key << 8 | u64::from(byte));
+    let mut key = 0;
+    for byte in word {
+        key = key << 8 | u64::from(*byte);
+    }
     Some(key << 8 | word.len() as u64)
 }
