@@ -211,7 +211,8 @@ fn a_shadow_catcher_lists_its_light() {
     must_be_what_render_takes("paper/fig2.toml", &dark, &[nothing, arrives]);
     let desk = desk("paper/fig2.toml");
     let story = trace(&desk, &format!("--pixel 8,11 {caught}")).succeeds().stdout;
-    for told in ["catches shadows: behind it the camera sees L = (0.2,", "+ T L = (0.2, 0.3, 0.4)"] {
+    for told in ["catches shadows: behind it the camera sees L = (0.2,", "+ T L = (0.2, 0.3, 0.4)"]
+    {
         assert!(story.contains(told), "`{told}` is not in\n{story}");
     }
 }
