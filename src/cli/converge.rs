@@ -110,7 +110,8 @@ fn few_pixels(series: &Series, metric: ErrorMetric, width: u32) -> Option<String
     let (x, y) = (worst as u32 % width, worst as u32 / width);
     Some(format!(
         "half of the squared error of `{}` is in {pixels} of {of} pixels, the worst in column {x}, \
-         row {y}: its interval says nothing of light that all {} renders miss there; raise --spp",
+         row {y}: what few samples find there, all {} renders may miss and the reference may \
+         overrate, of which the intervals say nothing; raise --spp and --reference-spp",
         series.name,
         last.runs.len()
     ))
