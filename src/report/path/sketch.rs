@@ -64,10 +64,8 @@ impl Sketch {
                 PathEvent::LightSample { sample, .. } => {
                     sketch.add_light_sample(scene, trace, index, sample);
                 }
-                PathEvent::ShadowCatcher { light, .. } => {
-                    if let Some(light) = light {
-                        sketch.add_light_sample(scene, trace, index, &light.sample);
-                    }
+                PathEvent::ShadowCatcher { light: Some(light), .. } => {
+                    sketch.add_light_sample(scene, trace, index, &light.sample);
                 }
                 PathEvent::Connection { .. } => sketch.connect(scene, trace, index),
                 _ => {}
