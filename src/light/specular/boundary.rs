@@ -83,8 +83,8 @@ fn deflections(plane: &Plane, ior: f64) -> Option<[Deflection; 2]> {
     Some([[1, 1, -1, -1], [1, -1, -1, -1]].map(|weights| Deflection::new(weights, ratios)))
 }
 
-/// The path of a root. `sign_gamma` is the sign of `cos gamma`; it goes around the centre on the side
-/// of y (1) or on the other side (-1).
+/// The path of a root. `sign_gamma` is the sign of `cos gamma`; it goes around the centre on the
+/// side of y (1) or on the other side (-1).
 #[inline(always)]
 fn connection(
     plane: &Plane,

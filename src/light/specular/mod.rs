@@ -49,9 +49,9 @@
 //! d theta / d alpha = d1 cos(alpha) Phi'(h)
 //! ```
 //!
-//! and across a boundary with `gamma` and `G'(gamma)` instead of `alpha`. For a direction in place of
-//! y, such as a point of the sun, `d2` is infinite, `beta` is 0 and the solid angle of y takes the
-//! place of `dA / d2^2`. Reflection has a closed form with one sign only,
+//! and across a boundary with `gamma` and `G'(gamma)` instead of `alpha`. For a direction in place
+//! of y, such as a point of the sun, `d2` is infinite, `beta` is 0 and the solid angle of y takes
+//! the place of `dA / d2^2`. Reflection has a closed form with one sign only,
 //! `dA / dw = (a + b + 2 a b / cos i) (a + b + 2 a b cos i)`, never below `(a + b)^2`. The spread
 //! is 0 at two caustics: the fold, where `Phi' = 0`, and the axis `theta = 0` or `pi`, where the
 //! roots away from `h = 0` form a ring. A bundle of rays between x and y is the same both ways,

@@ -8,6 +8,7 @@ use crate::draw::{Axes, Bar, BarGroup, Course, Line, Mark, Panel, Value, bars, l
 use crate::error::Result;
 use crate::generate::Arrangement;
 
+use super::digits::significant;
 use super::sentence::result_sentence;
 
 use crate::verify::bench::{
@@ -264,12 +265,6 @@ fn differing_ids(result: &BackendBench) -> String {
     result.rates.iter().flatten().map(|rates| rates.differing_ids).sum::<usize>().to_string()
 }
 
-/// Formats three significant digits.
-pub(super) fn significant(value: f64) -> String {
-    let digits = if value > 0.0 { 2 - libm::log10(value).floor() as i32 } else { 0 };
-    format!("{value:.*}", digits.clamp(0, 9) as usize)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -351,11 +346,5 @@ mod tests {
                         (closest hit), 10.0 times as many as brute-force; occluded, 2.00 million, \
                         10.0 times as many as brute-force.";
         assert!(page.contains(sentence), "the result in words");
-    }
-
-    #[test]
-    fn figures_have_three_digits() {
-        let visible = [0.0, 0.001_234, 9.876, 123.4, 98_765.0].map(significant);
-        assert_eq!(visible, ["0", "0.00123", "9.88", "123", "98765"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::verify::bench::{BackendBench, QueryKind, SECOND_BOUNCE, SuiteEntry};
 
-use super::page::significant;
+use super::digits::significant;
 
 /// Compares the two fastest intersectors at the largest number of spheres.
 pub(super) fn result_sentence(entries: &[&SuiteEntry]) -> String {
