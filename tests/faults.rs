@@ -73,6 +73,8 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::PassedMediumLost, "fog: path"),
     (Fault::MisRecordLost, "fog: path"),
     (Fault::TrapEverywhere, "trapped-light: path"),
+    (Fault::CatcherVisibilityLost, "shadow-catcher: path"),
+    (Fault::CatcherWithoutCosine, "shadow-catcher: path"),
     (Fault::BackgroundCameraOnly, "glass-in-a-field: path"),
 ];
 

@@ -1,5 +1,6 @@
 //! `photosphere converge`: plots error against samples and against time.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -9,16 +10,18 @@ use crate::error::{Error, Result};
 use crate::image_io::{self, AtomicFile, BEAUTY};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
 use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings};
-use crate::scene::{Override, Settings};
-use crate::verify::converge::{ErrorMetric, Reference, ReferenceSource, Series, Study, Variant};
+use crate::scene::{Override, SceneFile, Settings};
+use crate::verify::converge::{
+    Concentration, ErrorMetric, Reference, ReferenceSource, Series, Study, Variant,
+};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
 use super::exit::Exit;
-use super::particle_file::read_scene;
+use super::particle_file::{ParticleFile, read_scene};
 use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
-use super::{interrupt, print};
+use super::{interrupt, print, scene_file};
 
 /// Runs the command.
 ///
@@ -65,6 +68,10 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
     if is_too_noisy(&reference, &series, metric) {
         print::warning("the reference is nearly as noisy as the best point; raise --reference-spp");
     }
+    series
+        .iter()
+        .filter_map(|one| few_pixels(one, metric, report.image.width))
+        .for_each(print::warning);
     match args.json {
         true => print::json(&report.json(&args.output))?,
         false => print::result(&report.to_string())?,
@@ -95,17 +102,38 @@ fn is_too_noisy(reference: &Reference, series: &[Series], metric: ErrorMetric) -
     reference.noise(metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least)
 }
 
+/// A warning if a few pixels carry the error of a curve, at the most samples.
+fn few_pixels(series: &Series, metric: ErrorMetric, width: u32) -> Option<String> {
+    let last = series.points.last()?;
+    let Concentration { pixels, worst, of } =
+        Some(last.concentration(metric)).filter(Concentration::is_high)?;
+    let (x, y) = (worst as u32 % width, worst as u32 / width);
+    Some(format!(
+        "half of the squared error of `{}` is in {pixels} of {of} pixels, the worst in column {x}, \
+         row {y}: what few samples find there, all {} renders may miss and the reference may \
+         overrate, of which the intervals say nothing; raise --spp and --reference-spp",
+        series.name,
+        last.runs.len()
+    ))
+}
+
 /// Returns the study to run and the integrator of the reference. Errors in the scene and its
 /// settings show up here, and not after an hour of rendering.
 fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     let choices = choices(args);
-    let mut step = 1;
+    let (mut step, mut told) = (1, BTreeSet::new());
     for choice in &choices {
-        step = step.max(subpixels(&settings(args, &choice.overrides, None)?));
+        let file = read(args, &overrides(args, &choice.overrides, None))?;
+        step = step.max(subpixels(&file.settings));
+        told.extend(file.notes.into_iter().map(|note| (false, note)));
+        told.extend(file.warnings.into_iter().map(|warning| (true, warning)));
+    }
+    for (is_warning, text) in told {
+        if is_warning { print::warning(text) } else { print::note(text) }
     }
     let samples = args.samples(step);
     let overrides = overrides(args, &choices[0].overrides, samples.first().copied());
-    let (scene, own) = read_scene(&args.scene.path, &overrides, None)?.build()?;
+    let (scene, own) = read(args, &overrides)?.build()?;
     let own_integrator = own.render.integrator.kind().name();
     let variant = |choice: Choice| {
         let of = |&count: &u32| settings(args, &choice.overrides, Some(count));
@@ -165,14 +193,19 @@ fn choices(args: &ConvergeArgs) -> Vec<Choice> {
         ("caustics", &args.caustics),
         ("sampler", &args.samplers),
     ];
-    for (key, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
-        let with = |choice: &Choice, name: &String| {
+    let named = lists.into_iter().map(|(key, names)| {
+        names.iter().map(|name| (name.clone(), chosen(key, name))).collect::<Vec<_>>()
+    });
+    let compared = args.compare.iter().map(|comparison| comparison.choices());
+    for alternatives in named.chain(compared).filter(|alternatives| !alternatives.is_empty()) {
+        let with = |choice: &Choice, (name, given): &(String, Override)| {
             let mut choice = choice.clone();
             choice.names.push(name.clone());
-            choice.overrides.push(chosen(key, name));
+            choice.overrides.push(given.clone());
             choice
         };
-        let of = |choice: &Choice| names.iter().map(|name| with(choice, name)).collect::<Vec<_>>();
+        let of =
+            |choice: &Choice| alternatives.iter().map(|one| with(choice, one)).collect::<Vec<_>>();
         choices = choices.iter().flat_map(of).collect();
     }
     if args.accels.is_empty() {
@@ -192,7 +225,16 @@ fn chosen(key: &str, name: &str) -> Override {
 }
 
 fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
-    Ok(read_scene(&args.scene.path, &overrides(args, chosen, samples), None)?.settings)
+    Ok(read(args, &overrides(args, chosen, samples))?.settings)
+}
+
+/// Reads the scene, as often as there are settings to compare.
+fn read(args: &ConvergeArgs, overrides: &[Override]) -> Result<SceneFile> {
+    let path = &args.scene.path;
+    match ParticleFile::is_one(path, overrides) {
+        true => read_scene(path, overrides, None),
+        false => scene_file::read_silently(path, overrides),
+    }
 }
 
 /// Returns the overrides of the scene. `--set` comes last and wins.

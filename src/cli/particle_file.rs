@@ -118,6 +118,7 @@ pub(super) fn read_scene(
 /// Prints what was chosen automatically, as the options that would fix it.
 pub(super) fn tell(import: &Import) {
     import.notes.iter().for_each(print::note);
+    import.scene.warnings.iter().for_each(print::warning);
     if import.choices.is_empty() {
         return;
     }

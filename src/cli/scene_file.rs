@@ -22,12 +22,21 @@ pub(super) fn is_stdin(path: &Path) -> bool {
 /// # Errors
 /// If the scene cannot be read, or has mistakes.
 pub(super) fn read(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
-    let file = match is_stdin(path) {
+    let file = read_silently(path, overrides)?;
+    file.notes.iter().for_each(print::note);
+    file.warnings.iter().for_each(print::warning);
+    Ok(file)
+}
+
+/// Reads a scene file like [`read`], without printing what there is to know of the overrides.
+///
+/// # Errors
+/// As for [`read`].
+pub(super) fn read_silently(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
+    match is_stdin(path) {
         true => read_stdin(overrides),
         false => read_file(path, overrides),
-    }?;
-    file.notes.iter().for_each(print::note);
-    Ok(file)
+    }
 }
 
 fn read_stdin(overrides: &[Override]) -> Result<SceneFile> {

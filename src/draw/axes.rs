@@ -13,6 +13,8 @@ use crate::error::{Error, Result};
 /// Charts are drawn in integer units of half a pixel.
 pub(super) const SCALE: u32 = 2;
 const FONT: &str = "sans-serif";
+/// What plotters calls the size of a font, over the size that it writes into an SVG.
+const FONT_HEIGHT: f64 = 1.24;
 
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 const FAINT: RGBColor = RGBColor(228, 228, 228);
@@ -98,8 +100,7 @@ impl Axes {
                 continue;
             }
             free_from = middle + half_width;
-            let style = (FONT, 12 * SCALE).into_font().color(&INK);
-            let style = style.pos(Pos::new(HPos::Center, VPos::Top));
+            let style = font(12).pos(Pos::new(HPos::Center, VPos::Top));
             let below = |y: i32| (0, y * SCALE as i32);
             let line = PathElement::new(vec![below(0), below(4)], INK);
             let text = Text::new(label, below(6), style);
@@ -110,7 +111,6 @@ impl Axes {
     }
 
     pub(super) fn draw<'b, 'a>(&self, area: &'b Area<'a>) -> DrawResult<LogChart<'b, 'a>> {
-        let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
             .margin(12 * SCALE)
             .x_label_area_size(40 * SCALE)
@@ -174,8 +174,12 @@ pub(super) fn color_of(series: usize) -> RGBColor {
 
 /// Text with its middle left anchor at `at`.
 pub(super) fn words(text: &str, at: (i32, i32), size: u32) -> Text<'_, (i32, i32), &str> {
-    let style = (FONT, size * SCALE).into_font().color(&INK);
-    Text::new(text, at, style.pos(Pos::new(HPos::Left, VPos::Center)))
+    Text::new(text, at, font(size).pos(Pos::new(HPos::Left, VPos::Center)))
+}
+
+/// A font whose letters have this size in pixels, as in a style sheet.
+fn font(size: u32) -> TextStyle<'static> {
+    (FONT, f64::from(size * SCALE) * FONT_HEIGHT).into_font().color(&INK)
 }
 
 /// The marker of a series, distinguished by both shape and color.

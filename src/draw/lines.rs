@@ -173,6 +173,10 @@ mod tests {
             assert!(svg.contains(text), "{text}");
         }
         assert!(!svg.contains("NaN"));
+        // The sheet has two units per pixel, and no text is smaller than 12 pixels.
+        let sizes = svg.split("font-size=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        let smallest = sizes.filter_map(|size| size.parse().ok()).fold(f64::INFINITY, f64::min);
+        assert!((23.9..30.0).contains(&smallest), "{smallest}");
         assert_eq!(Axes::around(["", ""], [].into_iter(), [].into_iter()), None);
     }
 }

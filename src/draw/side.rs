@@ -8,6 +8,8 @@ const LARGEST: DVec2 = DVec2::new(1000.0, 720.0);
 /// Minimum height: a flat path needs space around it.
 const LOWEST: f64 = 300.0;
 const MARGIN: f64 = 48.0;
+/// How far the middle of a label stays from the edges of the window.
+const LABEL_EDGE: DVec2 = DVec2::new(50.0, 16.0);
 
 /// A vertical plane and a window on it. Positions are pixels from the window's upper left corner.
 #[derive(Clone, Debug)]
@@ -67,18 +69,33 @@ impl SideView {
         (center - nearest).length() <= radius
     }
 
-    /// Position of a circle's label: its center, or the part of the circle in view.
+    /// Position of a circle's label: its center, or the part of the circle in view; above or below
+    /// a small one.
     pub fn label_place(&self, center: DVec2, radius: f64) -> DVec2 {
-        let window = self.window;
-        let inside = center.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0));
-        if (inside - center).length() < 0.98 * radius || radius < 12.0 {
-            return inside
-                + if radius < 12.0 { DVec2::new(0.0, -radius - 6.0) } else { DVec2::ZERO };
+        let inside = self.keep_in(center, 0.0);
+        if radius < 12.0 {
+            let above = inside.y - radius - 6.0;
+            let y = if above < LABEL_EDGE.y { inside.y + radius + 16.0 } else { above };
+            return DVec2::new(inside.x, y);
+        }
+        if (inside - center).length() < 0.98 * radius {
+            return inside;
         }
         // The circle may miss the nearest corner of the window but reach its edge.
-        let towards = (0.5 * window - center).normalize_or(DVec2::Y);
-        let edge = center + (radius - 14.0) * towards;
-        edge.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0))
+        let towards = (0.5 * self.window - center).normalize_or(DVec2::Y);
+        self.keep_in(center + (radius - 14.0) * towards, 0.0)
+    }
+
+    /// Position of the label of a circle that the drawing looks at from inside, such as a wall of a
+    /// room: behind the wall at the point `on_wall`.
+    pub fn wall_label_place(&self, center: DVec2, on_wall: DVec2) -> DVec2 {
+        on_wall + 22.0 * (on_wall - center).normalize_or(DVec2::Y) + DVec2::new(0.0, 4.0)
+    }
+
+    /// Moves the middle of a text that is `half` wide to either side into the window.
+    pub fn keep_in(&self, position: DVec2, half: f64) -> DVec2 {
+        let edge = LABEL_EDGE.max(DVec2::new(half + 4.0, 0.0)).min(0.5 * self.window);
+        position.clamp(edge, self.window - edge.min(DVec2::new(f64::INFINITY, 10.0)))
     }
 
     /// A round length of about a tenth of the window's width.
@@ -125,6 +142,22 @@ mod tests {
         assert!(view.project(points[1]).y < view.project(points[0]).y);
         let gap = view.project(points[2]) - view.project(points[0]);
         assert!((gap.x.abs() - 10.0 * view.scale).abs() < 0.1 * view.scale);
+    }
+
+    #[test]
+    fn labels_stay_in_the_window_and_walls_have_theirs_behind_them() {
+        let view = SideView::of(&[DVec3::ZERO, DVec3::new(6.0, 3.0, 0.0)], DVec3::Y);
+        // A small lamp at the upper edge.
+        let above = view.label_place(DVec2::new(300.0, 5.0), 4.0);
+        assert!(above.y > 5.0 && above.y < 40.0, "{above}");
+        let below = view.label_place(DVec2::new(300.0, 200.0), 4.0);
+        assert!(below.y < 196.0, "{below}");
+        // The wall on the left is an arc around a far point on the right.
+        let on_wall = DVec2::new(90.0, 200.0);
+        let label = view.wall_label_place(DVec2::new(5000.0, 200.0), on_wall);
+        assert!(label.x < on_wall.x, "{label}");
+        let moved = view.keep_in(DVec2::new(-30.0, 1e4), 80.0);
+        assert!(moved.x == 84.0 && moved.y < view.window.y, "{moved}");
     }
 
     #[test]

@@ -117,6 +117,8 @@ registry! {
     PassedMediumLost: "a shadow ray is not dimmed by the media that it enters",
     MisRecordLost: "a path that passes an index-matched boundary forgets its MIS record",
     TrapEverywhere: "totally reflected light counts as trapped whatever reaches its ring",
+    CatcherVisibilityLost: "a shadow catcher forgets whether its light is blocked",
+    CatcherWithoutCosine: "a shadow catcher weighs the light of the sky without the cosine",
     BackgroundCameraOnly: "the background lights nothing; only the camera sees it",
 }
 

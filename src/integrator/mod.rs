@@ -26,7 +26,7 @@ pub use context::RenderContext;
 pub use estimate::Integrator;
 pub use profile::{Stage, StageProfile};
 pub use sample::{RenderStats, SampleAddress};
-pub use trace::{Contribution, PathEvent, PathTrace, Rival, Termination};
+pub use trace::{ChosenLight, Contribution, PathEvent, PathTrace, Rival, Termination};
 pub use workspace::Workspace;
 
 use crate::scene::PreparedScene;

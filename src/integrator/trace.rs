@@ -49,6 +49,18 @@ pub enum Rival {
     Connection(f64),
 }
 
+/// The light that a shadow catcher asks for, chosen among candidates in proportion to what each
+/// would send.
+#[derive(Clone, Copy, Debug)]
+pub struct ChosenLight {
+    /// The source, the direction and the radiance; its pdf is that of light sampling alone.
+    pub sample: LightSample,
+    /// The probability with which it was chosen.
+    pub probability: f64,
+    /// Number of candidates.
+    pub count: usize,
+}
+
 /// One event of a path. Directions are in world space; points are relative to the spheres' origin.
 #[derive(Clone, Copy, Debug)]
 pub enum PathEvent {
@@ -155,7 +167,17 @@ pub enum PathEvent {
         /// MIS weight of the connection against BSDF sampling.
         weight: f64,
     },
-    /// The result of the shadow ray of a light sample, or of those along a connection.
+    /// A camera ray hits a shadow catcher, behind which the camera sees what is behind everything.
+    /// The [`PathEvent::ShadowRay`] after it adds that.
+    ShadowCatcher {
+        /// The radiance of what is behind everything.
+        behind: Rgb,
+        /// The light whose shadow ray decides; `None` where no light can arrive, which counts as
+        /// unoccluded.
+        light: Option<ChosenLight>,
+    },
+    /// The result of the shadow ray of a light sample or shadow catcher, or of those along a
+    /// connection.
     ShadowRay {
         /// 0 for the light sample at the last vertex; the number of a connection otherwise.
         connection: u8,
@@ -163,7 +185,8 @@ pub enum PathEvent {
         /// the product of 1 minus opacity over the surfaces in between, and of the transmittances
         /// of the media if light can enter them in a straight line.
         visibility: Rgb,
-        /// Throughput times `f cos Le weight / p`, times visibility.
+        /// Throughput times `f cos Le weight / p`, or times what is behind a shadow catcher; times
+        /// visibility.
         contribution: Contribution,
     },
     /// The BSDF samples a direction.
@@ -209,7 +232,9 @@ pub enum Termination {
     Absorbed,
     /// The direction grazes the surface so closely that no ray leaves it.
     Grazing,
-    /// The path lost at Russian roulette, or its weight fell below the threshold.
+    /// Russian roulette terminated the path.
+    Roulette,
+    /// The throughput is zero or fell below the threshold.
     LowThroughput,
     /// The integrator follows light through one scattering only.
     DirectOnly,

@@ -65,8 +65,9 @@ fn sees_nothing(scene: &Scene, settings: &Settings) -> bool {
 /// Warnings about a film of the prepared scene.
 pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Film) -> Vec<String> {
     let mut warnings = Vec::new();
-    if prepared.render_settings().clamp_indirect.is_some() {
-        let options = prepared.render_settings().biases().join(", ");
+    let biases = prepared.render_settings().biases();
+    if biases.iter().any(|bias| bias.starts_with("clamp_indirect")) {
+        let options = biases.join(", ");
         warnings.push(format!("the picture is biased by {options}"));
     }
     if let Some((count, [x, y])) = film.non_finite_samples() {

@@ -23,6 +23,7 @@ pub mod keys;
 mod light_preset;
 mod light_trap;
 mod loaded_particles;
+mod no_effect;
 mod npy;
 mod particle_file;
 mod particle_table;

@@ -98,6 +98,11 @@ const VALUES: &[(&[&str], &str)] = &[
     (&["random", "uniform"], "independent"),
     (&["halton", "qmc", "ldsampler", "zsobol"], "sobol"),
     (&["jittered", "multijitter"], "stratified"),
+    (&["mis"], "path, with estimator = \"mis\""),
+    (&["light", "nee"], "path, with estimator = \"light\""),
+    (&["bsdf", "unidirectional"], "path, with estimator = \"bsdf\""),
+    (&["nee", "next-event", "direct"], "light"),
+    (&["brdf", "hemisphere", "chance"], "bsdf"),
 ];
 
 /// What the key of another program is called in the table with this path, as `materials.glass`.
@@ -109,9 +114,11 @@ pub(super) fn key(table: &str, word: &str) -> Option<String> {
 
 /// What the value of another program is called.
 pub(super) fn value<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<String> {
-    let (_, ours) = VALUES.iter().find(|(words, _)| words.contains(&word))?;
-    let name = ours.split(',').next()?;
-    known.into_iter().any(|known| known == name).then(|| format!("here it is called {ours}"))
+    let known: Vec<&str> = known.collect();
+    let is_choice = |ours: &str| ours.split(',').next().is_some_and(|name| known.contains(&name));
+    let mut meant = VALUES.iter().filter(|(words, _)| words.contains(&word));
+    let (_, ours) = meant.find(|(_, ours)| is_choice(ours))?;
+    Some(format!("here it is called {ours}"))
 }
 
 #[cfg(test)]
@@ -128,6 +135,8 @@ mod tests {
         let models = || ["diffuse", "dielectric"].into_iter();
         assert_eq!(value("lambertian", models()).as_deref(), Some("here it is called diffuse"));
         assert_eq!(value("metal", models()), None, "it is no choice here");
+        let estimator = value("mis", ["direct", "path"].into_iter());
+        assert_eq!(estimator.as_deref(), Some("here it is called path, with estimator = \"mis\""));
     }
 
     #[test]

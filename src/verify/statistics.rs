@@ -32,6 +32,12 @@ impl MeanEstimate {
         Self { mean, standard_error, seeds: values.len() }
     }
 
+    /// Student's t against `expected`: the deviation in standard errors; 0 if there is none.
+    pub fn t(&self, expected: f64) -> f64 {
+        let deviation = self.mean - expected;
+        if deviation == 0.0 { 0.0 } else { deviation / self.standard_error }
+    }
+
     /// Probability that a correct program misses `expected` by at least this much, beyond
     /// [`ROUNDING`]; 0 if the mean is NaN.
     pub fn p_value(&self, expected: f64) -> f64 {
@@ -90,7 +96,8 @@ fn student_t(degrees_of_freedom: f64) -> StudentsT {
 /// is 4.89. At most 38, the limit of f64.
 pub fn sigmas(p: f64) -> f64 {
     let normal = Normal::standard();
-    (-normal.inverse_cdf((p / 2.0).clamp(1e-315, 0.5))).max(0.0)
+    // Adding 0 takes the sign from -0.
+    (-normal.inverse_cdf((p / 2.0).clamp(1e-315, 0.5))).max(0.0) + 0.0
 }
 
 /// Significance of each of `tests` tests so that the family has significance `family`, in (0, 1).

@@ -108,6 +108,33 @@ fn estimators_are_curves_of_their_own() {
     assert!(error(&series[1]) > 10.0 * error(&series[0]), "{told}");
 }
 
+/// A path that ends after direct light misses what the reference has, at any number of samples.
+#[test]
+fn values_of_a_key_are_compared() {
+    let desk = desk();
+    let arguments = "scene.toml --size 16x12 --spp 64 --seeds 2 --integrator path \
+                     --compare render.max_depth=2,8 -o n.svg";
+    let told = json(&desk, arguments);
+    let series = told["series"].as_array().unwrap();
+    let names: Vec<_> = series.iter().map(|series| series["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["path, max_depth=2", "path, max_depth=8"]);
+    let error = |series: &Value| number(&series["points"][0]["error"]["mean"]);
+    assert!(error(&series[0]) > 2.0 * error(&series[1]), "{told}");
+}
+
+/// A lamp that a mirror ball shows to one of many thousand samples decides the error of a pixel.
+#[test]
+fn a_few_pixels_that_carry_the_error_are_named() {
+    let desk = Desk::of_file("caustics/mirror-ball.toml");
+    let outcome = run(&desk, "scene.toml --size 64x48 --spp 4 --reference-spp 256 -o n.svg");
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    for told in ["is in 1 of 3072 pixels, the worst in column 29, row 17", "--reference-spp"] {
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+    let even = run(&self::desk(), "scene.toml --size 16x12 --spp 4 --seeds 2 -o n.svg");
+    assert!(!even.stderr.contains("half of the squared error"), "{}", even.stderr);
+}
+
 #[test]
 fn a_scene_without_any_error_is_not_told_to_have_a_better_reference() {
     let desk = desk();
@@ -137,6 +164,8 @@ fn mistakes_are_told_before_anything_is_rendered() {
         ("scene.toml --integrator ambient-occlusion,normals -o noise.svg", 3, "different pictures"),
         ("scene.toml --integrator path,direct -o noise.svg", 3, "--reference-integrator"),
         ("scene.toml --spp 0 -o noise.svg", 2, "0"),
+        ("scene.toml --compare materials.lamp.opacity=0,1 -o n.svg", 2, "keys of [render]"),
+        ("scene.toml --compare render.max_depht=2,8 -o n.svg", 3, "did you mean `max_depth`"),
         ("scene.toml --seeds 1 -o noise.svg", 2, "1"),
         ("scene.toml --spp 4 --reference a.exr --reference-spp 8 -o n.svg", 2, "cannot be used"),
     ] {

@@ -27,6 +27,7 @@ mod long_renders;
 mod memory_plan;
 #[cfg(unix)]
 mod mistakes_in_a_scene;
+mod no_effect;
 #[cfg(unix)]
 mod particles;
 #[cfg(unix)]

@@ -75,6 +75,9 @@ fn must_multiply(steps: &[Value]) {
                 let weight = product([of("transmittance"), of("weight"), inverse("p")]);
                 aimed.insert(step["number"].as_u64().unwrap_or(0), product([light, weight]));
             }
+            "shadow_catcher" => {
+                aimed.insert(0, product([throughput, of("L")]));
+            }
             "shadow_ray" => {
                 let aimed = aimed[&step["connection"].as_u64().expect("a number")];
                 must_be_equal(of("contribution"), product([aimed, of("V"), of("clamp")]), &about);
@@ -192,6 +195,57 @@ fn a_connection_has_its_factors_words_and_lines() {
     ] {
         assert!(all.contains(told), "`{told}` is not in\n{all}");
     }
+}
+
+/// A point that catches shadows lists the light that it asks for, and adds up to what is rendered.
+#[test]
+fn a_shadow_catcher_lists_its_light() {
+    let caught = "--set spheres.ground.shadow_catcher=true --set background.backdrop=[0.2,0.3,0.4]";
+    let arrives = |step: &Value| {
+        is(step, "shadow_ray") && rgb(step, "contribution") == [0.2f32, 0.3, 0.4].map(f64::from)
+    };
+    let of_lamp = |step: &Value| is(step, "shadow_catcher") && step["source"] == "`lamp`";
+    must_be_what_render_takes("paper/fig2.toml", caught, &[arrives, of_lamp]);
+    let dark = format!("{caught} --set materials.lamp.emission=[0,0,0]");
+    let nothing = |step: &Value| is(step, "shadow_catcher") && step["source"].is_null();
+    must_be_what_render_takes("paper/fig2.toml", &dark, &[nothing, arrives]);
+    let desk = desk("paper/fig2.toml");
+    let story = trace(&desk, &format!("--pixel 8,11 {caught}")).succeeds().stdout;
+    for told in ["catches shadows: behind it the camera sees L = (0.2,", "+ T L = (0.2, 0.3, 0.4)"]
+    {
+        assert!(story.contains(told), "`{told}` is not in\n{story}");
+    }
+}
+
+#[test]
+fn an_estimator_that_combines_nothing_prints_no_second_pdf() {
+    let desk = desk("cornell-spheres.toml");
+    for (estimator, told, other) in [
+        ("mis", "by BSDF sampling: w = 0.", "alone"),
+        ("light", "by light sampling alone: w = 1", "by BSDF sampling"),
+        ("bsdf", "the path ends: ", "by light sampling"),
+    ] {
+        let mut all = String::new();
+        for y in 0..12 {
+            let arguments = format!("--pixel 8,{y} --estimator {estimator} --caustics chance");
+            all += &trace(&desk, &arguments).succeeds().stdout;
+        }
+        assert!(all.contains(told) && !all.contains(other), "{estimator}\n{all}");
+    }
+}
+
+#[test]
+fn a_path_ends_once_and_a_symbol_stays_with_its_value() {
+    let desk = desk("cornell-spheres.toml");
+    let mut roulettes = 0;
+    for y in 0..12 {
+        let story = trace(&desk, &format!("--pixel 8,{y}")).succeeds().stdout;
+        assert_eq!(story.matches("the path ends: ").count(), 1, "{story}");
+        roulettes += story.matches("the path ends: Russian roulette").count();
+        let parted = |line: &str| line.trim_start().starts_with('=') || line.ends_with('=');
+        assert!(!story.lines().any(parted), "{story}");
+    }
+    assert!(roulettes > 0);
 }
 
 #[test]

@@ -28,6 +28,8 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
     for sign in ["<!doctype html>", "</html>", "data:image/png;base64,", "All "] {
         assert!(report.contains(sign), "{sign}");
     }
+    let raw = ["exact 0.168836: t = ", "; the largest |t| of 13 groups "];
+    assert!(raw.iter().all(|text| report.contains(text)), "{raw:?}");
     assert!(!report.contains("http"), "the page needs nothing beside itself");
     assert_eq!(desk.names(), ["report.html"], "nothing else is left behind");
 }

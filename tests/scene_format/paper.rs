@@ -27,6 +27,8 @@ fn the_papers_samples_follow_from_all_that_is_said_of_them() {
     let spp = "render.samples_per_pixel=36";
     assert_eq!(paper_samples("paper.subpixels = 3", &[switch, spp]), (3, 4));
     assert_eq!(paper_samples("integrator = \"paper\"\nsamples_per_pixel = 8", &[spp]), (2, 9));
+    // What is asked for last wins over the file.
+    assert_eq!(paper_samples("integrator = \"paper\"\npaper.samples = 100", &[spp]), (2, 9));
 }
 
 #[test]
@@ -39,7 +41,7 @@ fn the_papers_samples_must_not_contradict_each_other() {
         "samples_per_pixel = 10",
         &[],
         "32:21: `render.samples_per_pixel` must be a multiple of the 2 x 2 sub-pixels, not 10 \
-         | try 8",
+         | try 8 or 12",
     );
     said(
         "samples_per_pixel = 20\npaper.samples = 4",
@@ -48,10 +50,10 @@ fn the_papers_samples_must_not_contradict_each_other() {
          | `render.paper.samples` is set in test.toml:33:17; remove one of them",
     );
     said(
-        "paper.samples = 4",
-        &["render.samples_per_pixel=36"],
+        "",
+        &["render.paper.samples=4", "render.samples_per_pixel=36"],
         "command line:1:32: `render.samples_per_pixel` is 36, but 2 x 2 sub-pixels of 4 samples \
-         make 16 | `render.paper.samples` is set in test.toml:32:17; remove one of them",
+         make 16 | `render.paper.samples` is set in `--set render.paper.samples=4`; remove one of them",
     );
     said(
         "paper.samples = 4000000000",

@@ -9,6 +9,7 @@ use crate::accel::Backend;
 use crate::verify::converge::ErrorMetric;
 
 use super::accel::backends;
+use super::comparison::{Comparison, comparison};
 use super::scene::SceneArgs;
 use super::values::{Size, one_of, seed, size};
 
@@ -24,14 +25,15 @@ Examples:
   photosphere converge fig2.toml --estimator mis,light,bsdf -o estimators.svg
   photosphere converge fig2.toml --sampler sobol,independent -o samplers.svg
   photosphere converge fig4.toml --caustics chance,connect -o caustics.svg
+  photosphere converge fig2.toml --compare render.max_depth=2,3,8 -o depth.svg
   photosphere converge fig2.toml --reference best.exr -o noise.svg --json
   photosphere converge fig2.toml --accel native,embree -o speed.svg
 
-Every combination of --integrator, --estimator, --caustics, --sampler and --accel is one curve; the
-scene decides what is not given. Each point is the mean over --seeds renders with its 95 % interval (Student's t).
+Every combination of --integrator, --estimator, --caustics, --sampler, --compare and --accel is one
+curve; the scene decides what is not given. Each point is the mean over --seeds renders with its 95 % interval (Student's t).
 So is each slope, which is fitted to every seed by least squares in log-log. Independent samples have
 the slope -0.5 (RMSE) or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error
-times seconds, which does not depend on the number of samples if they are independent.
+(MSE or relMSE) times seconds, which does not depend on the number of samples if they are independent.
 
 The reference is rendered in two halves with other seeds. Half their difference estimates its own
 error, which is printed and subtracted from every point. The error of a --reference FILE is known only
@@ -73,6 +75,11 @@ pub struct ConvergeArgs {
     /// Intersectors to compare
     #[arg(long = "accel", value_name = "LIST", value_delimiter = ',', value_parser = backends())]
     pub accels: Vec<Backend>,
+
+    /// Values of a key of [render] to compare, such as render.max_depth=2,3,8; may be repeated. The
+    /// reference has the scene's own value
+    #[arg(long, value_name = "KEY=LIST", value_parser = comparison)]
+    pub compare: Vec<Comparison>,
 
     /// The error metric
     #[arg(long, value_name = "NAME", value_parser = metrics(), default_value = "rmse")]

@@ -9,6 +9,7 @@ mod accel;
 mod bench;
 mod cite;
 mod compare;
+mod comparison;
 mod converge;
 mod convert;
 mod crosscheck;

@@ -27,7 +27,7 @@ pub struct StopArgs {
     pub quality: Option<Quality>,
 
     /// The fraction of the values of each tile whose error must be below --noise
-    #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "noise", default_value = "95%", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "target", conflicts_with = "quality", default_value = "95%", allow_hyphen_values = true)]
     pub confidence: f64,
 
     /// The maximum samples per pixel with --noise or --quality, from 64. If they do not suffice,
@@ -46,16 +46,16 @@ pub struct StopArgs {
 #[derive(Args, Debug)]
 pub struct WatchArgs {
     /// Update this .png file with the picture so far
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "viewer")]
     pub preview: Option<PathBuf>,
 
     /// The time between two updates of --preview and --tev
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = duration, requires = "viewer", default_value = "2s", allow_hyphen_values = true)]
     pub preview_every: Duration,
 
     /// Show the picture so far in the viewer tev, which listens at this address; tev's own default
     /// is 127.0.0.1:14158
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", group = "viewer")]
     pub tev: Option<String>,
 }
 

@@ -26,10 +26,12 @@ light. The symbols are those of the rendering equation
   L_o = L_e + integral of f_r L_i |cos| over the sphere of directions
 
 x_k is vertex k of the path, p the pdf of a direction (per solid angle), w the weight of multiple
-importance sampling, and T the throughput: the product of f_r |cos| / p so far. V is the transmittance
-of translucent surfaces on the way to a light, tau that of a medium along a segment that T does not
-include yet, and L_e includes the opacity of the emitter. Each line that begins with `+` adds light to
-the sample; their sum is L_o at the camera.
+importance sampling, and T the throughput: the product of f_r |cos| / p and of tau so far. tau is the
+transmittance of a medium along one segment: of the path, where T includes it, or towards a light.
+V is that of translucent surfaces on the way to a light, t_ball what a connection loses at its ball,
+and L_e includes the opacity of the emitter. A shadow catcher shows L, what is behind everything, if
+the light that it asks for arrives. Each line that begins with `+` adds light to the sample; their sum
+is L_o at the camera.
 
 The drawing shows the path from the side, on the upright plane in which it is largest, and names the
 spheres that the path hits or samples. Shadow rays are solid if they reach the emitter; if something

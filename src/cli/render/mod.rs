@@ -101,7 +101,8 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs.set_overlay(overlay.clone());
     outputs.set_columns(columns);
     let load_s = clock.lap();
-    let about_scene = scene_warnings(&scene, &settings);
+    let mut about_scene = scene_warnings(&scene, &settings);
+    about_scene.extend(request.idle_build(&scene));
     about_scene.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, overlay, keep.as_ref(), &interrupt)?;

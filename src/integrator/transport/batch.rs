@@ -222,7 +222,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
-    fn add_direct(&mut self, pending: &PendingDirect, visibility: Rgb) {
+    pub(super) fn add_direct(&mut self, pending: &PendingDirect, visibility: Rgb) {
         if visibility == Rgb::ZERO && !R::ENABLED {
             return;
         }
@@ -231,7 +231,6 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.add_contribution(pending.batch_index, contribution);
         if pending.is_caught {
             self.radiance[pending.batch_index as usize].alpha = 1.0 - visibility.max_element();
-            return;
         }
         let connection = pending.connection;
         self.recorder.record(|| PathEvent::ShadowRay { connection, visibility, contribution });

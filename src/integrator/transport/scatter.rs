@@ -149,24 +149,22 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     #[inline(always)]
     pub(super) fn survives(&mut self, state: &mut PathState, u: impl FnOnce() -> f64) -> bool {
         let brightest = state.throughput.max_element();
-        let continues = match self.integrator.stop {
+        let is_bright = match self.integrator.stop {
             PathTermination::Roulette if self.is_roulette_due(state.depth) => {
                 let weight = brightest * state.eta_scale;
-                self.russian_roulette(state, weight.min(1.0), u)
+                return self.russian_roulette(state, weight.min(1.0), u);
             }
-            PathTermination::Roulette => brightest > 0.0,
-            PathTermination::Depth if brightest <= 0.0 => false,
-            PathTermination::Threshold(threshold) if f64::from(brightest) < threshold => false,
+            PathTermination::Roulette | PathTermination::Depth => brightest > 0.0,
             // What totally reflected light has been weighed up counts for the threshold, too.
-            PathTermination::Depth | PathTermination::Threshold(_) => {
-                state.total_reflections <= MIN_TOTAL_REFLECTIONS
-                    || self.russian_roulette(state, 1.0, u)
-            }
+            PathTermination::Threshold(threshold) => f64::from(brightest) >= threshold,
         };
-        if !continues {
+        if !is_bright {
             self.terminate(Termination::LowThroughput);
+            return false;
         }
-        continues
+        self.integrator.stop == PathTermination::Roulette
+            || state.total_reflections <= MIN_TOTAL_REFLECTIONS
+            || self.russian_roulette(state, 1.0, u)
     }
 
     /// Russian roulette, with a probability of surviving that is at most `survival`. Returns true
@@ -192,6 +190,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let survives = survival >= 1.0 || u() < f64::from(survival);
         self.recorder.record(|| PathEvent::Roulette { survival, survives, throughput });
         state.throughput = if survives { throughput } else { Rgb::ZERO };
+        if !survives {
+            self.terminate(Termination::Roulette);
+        }
         survives
     }
 

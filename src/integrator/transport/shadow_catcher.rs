@@ -12,13 +12,14 @@
 //! Other light paths meet the sphere as any other.
 
 use crate::color::{Rgb, luminance};
+use crate::fault::fault;
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::light::{CategoryPmf, LightSample, LightSampleContext, LightSource};
 use crate::math::{Frame, renormalize};
 use crate::sampling::{Hemisphere, Sampler};
 
 use super::super::dimension;
-use super::super::trace::{PathEvent, PathRecorder, Termination};
+use super::super::trace::{ChosenLight, PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
 use super::paths::{Path, PendingDirect, ShadowQueue};
 
@@ -33,6 +34,7 @@ const LATTICE: [f64; 3] =
 /// Light that would arrive at the point, and how likely it is chosen.
 struct Candidate {
     ray: PathRay,
+    sample: LightSample,
     weight: f64,
 }
 
@@ -58,33 +60,38 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let behind = scene.seen_by_camera(scene.background_radiance(direction));
         let radiance = state.throughput * behind;
         let batch_index = state.batch_index;
-        match self.choose_arriving_light(hit, self.sampler(state)) {
-            Some(ray) => {
-                let pending = PendingDirect {
-                    batch_index,
-                    radiance,
-                    is_direct: true,
-                    has_more: false,
-                    connection: 0,
-                    is_caught: true,
-                };
+        let pending = PendingDirect {
+            batch_index,
+            radiance,
+            is_direct: true,
+            has_more: false,
+            connection: 0,
+            is_caught: true,
+        };
+        let arriving = self.choose_arriving_light(hit, self.sampler(state));
+        self.recorder.record(|| PathEvent::ShadowCatcher {
+            behind,
+            light: arriving.as_ref().map(|(_, light)| *light),
+        });
+        match arriving {
+            Some((ray, _)) if !fault!(CatcherVisibilityLost) => {
                 shadow_queue.shadow_rays.push(&ray, pending);
                 if scene.has_passable_surfaces() {
                     shadow_queue.media.push(self.media_of(state).clone());
                 }
             }
             // No light arrives, so that none can be missing.
-            None => {
-                let sample = &mut self.radiance[batch_index as usize];
-                sample.direct += radiance;
-                sample.alpha = 0.0;
-            }
+            _ => self.add_direct(&pending, Rgb::ONE),
         }
         self.terminate(Termination::ShadowCatcher)
     }
 
-    /// The shadow ray of one of the candidates.
-    fn choose_arriving_light(&self, hit: &SurfaceHit, sampler: Sampler) -> Option<PathRay> {
+    /// One of the candidates, with its shadow ray.
+    fn choose_arriving_light(
+        &self,
+        hit: &SurfaceHit,
+        sampler: Sampler,
+    ) -> Option<(PathRay, ChosenLight)> {
         let ctx = LightSampleContext { hit: *hit, is_two_sided: false, is_lambertian: true };
         let frame = Frame::from_z(hit.facing_normal());
         let category_pmf = self.context.prepared.lights().category_pmf(&ctx);
@@ -107,7 +114,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let chosen = candidates.iter().position(is_chosen);
         // Rounding may leave a little.
         let chosen = chosen.or(candidates.len().checked_sub(1))?;
-        (total > 0.0).then(|| candidates.swap_remove(chosen).ray)
+        let count = candidates.len();
+        let Candidate { ray, sample, weight } = candidates.swap_remove(chosen);
+        let probability = weight / total;
+        (total > 0.0).then_some((ray, ChosenLight { sample, probability, count }))
     }
 
     /// A candidate of light sampling.
@@ -151,7 +161,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             is_exact: false,
         };
         let by_cosine = Hemisphere::Cosine.pdf(local.z);
-        self.candidate(ctx, &sample, local.z / (by_cosine + by_light))
+        let cos = if fault!(CatcherWithoutCosine) { 1.0 } else { local.z };
+        self.candidate(ctx, &sample, cos / (by_cosine + by_light))
     }
 
     /// The candidate with its shadow ray, if it can contribute.
@@ -170,6 +181,6 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             true => ctx.hit.spawn_ray_to(direction, distance, source.sphere_id()),
             false => ctx.hit.spawn_shadow_ray(direction, distance, source.sphere_id()),
         };
-        ray.map(|ray| Candidate { ray, weight })
+        ray.map(|ray| Candidate { ray, sample: *sample, weight })
     }
 }

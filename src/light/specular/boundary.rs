@@ -67,14 +67,14 @@ pub(super) fn inward_spread(outward_spread: f64, ior: f64) -> f64 {
     outward_spread / (ior * ior)
 }
 
-/// The angle `G = tau - t + i - beta` where `tau < pi / 2`, and `G - pi` where it is larger.
+/// The angle `G = gamma - t + i - beta` where `gamma < pi / 2`, and `G - pi` where it is larger.
 #[inline(always)]
 fn deflections(plane: &Plane, ior: f64) -> Option<[Deflection; 2]> {
     let [d1, d2] = plane.distances;
     if !(d1 < 1.0 && d2 >= 1.0) {
         return None;
     }
-    // The largest sine is that of i, or of tau where no ray is reflected totally.
+    // The largest sine is that of i, or of gamma where no ray is reflected totally.
     let reach = ior * d1;
     let ratios = match reach < 1.0 {
         true => [reach, 1.0, reach / d2, d1],
@@ -83,38 +83,38 @@ fn deflections(plane: &Plane, ior: f64) -> Option<[Deflection; 2]> {
     Some([[1, 1, -1, -1], [1, -1, -1, -1]].map(|weights| Deflection::new(weights, ratios)))
 }
 
-/// The path of a root. `sign_tau` is the sign of `cos tau`; it goes around the centre on the side
-/// of y (1) or on the other side (-1).
+/// The path of a root. `sign_gamma` is the sign of `cos gamma`; it goes around the centre on the
+/// side of y (1) or on the other side (-1).
 #[inline(always)]
 fn connection(
     plane: &Plane,
     deflection: &Deflection,
     root: &Evaluation,
-    [sign_tau, side]: [f64; 2],
+    [sign_gamma, side]: [f64; 2],
 ) -> Connection {
     let [d1, d2] = plane.distances;
     let radius = plane.ball.radius;
     let (cos_i, cos_t, sin_t) =
         (root.cos(Angle::Outside), root.cos(Angle::Inside), root.sin(Angle::Inside));
-    let (cos_tau, sin_tau) = (sign_tau * root.cos(Angle::AtX), root.sin(Angle::AtX));
+    let (cos_gamma, sin_gamma) = (sign_gamma * root.cos(Angle::AtX), root.sin(Angle::AtX));
     let (cos_beta, sin_beta) = (root.cos(Angle::AtY), root.sin(Angle::AtY));
-    // The inner leg is cos t - d1 cos tau.
-    let inner = match cos_tau > 0.0 {
-        true => (1.0 - d1) * (1.0 + d1) / (cos_t + d1 * cos_tau),
-        false => cos_t - d1 * cos_tau,
+    // The inner leg is cos t - d1 cos gamma.
+    let inner = match cos_gamma > 0.0 {
+        true => (1.0 - d1) * (1.0 + d1) / (cos_t + d1 * cos_gamma),
+        false => cos_t - d1 * cos_gamma,
     };
     let mut connection = Connection {
-        direction_at_x: plane.vector(cos_tau, side * sin_tau),
+        direction_at_x: plane.vector(cos_gamma, side * sin_gamma),
         direction_at_y: plane.direction_at_y(cos_beta, side * sin_beta),
         leg_at_x: inner * radius,
         leg_at_y: outer_leg(d2, cos_beta, cos_i) * radius,
         cos_outside: cos_i,
         cos_inside: cos_t,
-        spread: around_axis(plane, deflection, root, sin_tau),
+        spread: around_axis(plane, deflection, root, sin_gamma),
         ..Connection::NONE
     };
-    // The point is at the angle tau - t from x.
-    let point = (cos_tau * cos_t + sin_tau * sin_t, sin_tau * cos_t - cos_tau * sin_t);
+    // The point is at the angle gamma - t from x.
+    let point = (cos_gamma * cos_t + sin_gamma * sin_t, sin_gamma * cos_t - cos_gamma * sin_t);
     connection.push(plane.point(point.0, side * point.1));
     connection
 }

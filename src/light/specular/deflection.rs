@@ -18,7 +18,7 @@ pub(super) const MAX_STATIONARY_STEPS: usize = 24;
 pub(super) enum Angle {
     /// `i`, between the normal and the ray outside.
     Outside,
-    /// `alpha` or `tau`, between the axis through x and the ray at x.
+    /// `alpha` or `gamma`, between the axis through x and the ray at x.
     AtX,
     /// `beta`, between the axis through y and the ray at y.
     AtY,

@@ -30,10 +30,10 @@
 //!    `h`: `Phi` has at most one stationary point, the fold, and each value at most two roots. For
 //!    `n < 1`, where `h < n`, `C` exceeds 2, and `Phi` falls.
 //! 3. *Across one boundary* ([`SpecularPath::Outward`], [`SpecularPath::Inward`]), with x inside,
-//!    at the angle `tau` from the outward axis: `sin t = d1 sin tau`, and
-//!    `G(tau) = tau - t + i - beta = theta`, up to the sign of `theta` and full turns. If
+//!    at the angle `gamma` from the outward axis: `sin t = d1 sin gamma`, and
+//!    `G(gamma) = gamma - t + i - beta = theta`, up to the sign of `theta` and full turns. If
 //!    `n d1 < 1`, no ray is reflected totally, `G` grows from 0 to pi, and there is one root. If
-//!    not, `G` grows where `tau < pi / 2` up to total reflection; beyond it, on the far side,
+//!    not, `G` grows where `gamma < pi / 2` up to total reflection; beyond it, on the far side,
 //!    `d G / d h` is again a constant minus three functions that fall, over `cos i`.
 //!
 //! There are 0 to 3 roots for `k = 0` and across a boundary, 0 to 4 for `k = 1` (4 only if both
@@ -49,9 +49,9 @@
 //! d theta / d alpha = d1 cos(alpha) Phi'(h)
 //! ```
 //!
-//! and across a boundary with `tau` and `G'(tau)` instead of `alpha`. For a direction in place of
-//! y, such as a point of the sun, `d2` is infinite, `beta` is 0 and the solid angle of y takes the
-//! place of `dA / d2^2`. Reflection has a closed form with one sign only,
+//! and across a boundary with `gamma` and `G'(gamma)` instead of `alpha`. For a direction in place
+//! of y, such as a point of the sun, `d2` is infinite, `beta` is 0 and the solid angle of y takes
+//! the place of `dA / d2^2`. Reflection has a closed form with one sign only,
 //! `dA / dw = (a + b + 2 a b / cos i) (a + b + 2 a b cos i)`, never below `(a + b)^2`. The spread
 //! is 0 at two caustics: the fold, where `Phi' = 0`, and the axis `theta = 0` or `pi`, where the
 //! roots away from `h = 0` form a ring. A bundle of rays between x and y is the same both ways,

@@ -70,7 +70,9 @@ fn how_to_read(entries: &[CheckEntry<'_>]) -> String {
     let limit = limit.map_or(0.0, |(_, result)| result.limit);
     let text = format!(
         "Exact checks must have no errors. The statistic of a random check is in standard deviations \
-         of a normal distribution (σ): in a correct program it exceeds 2 σ in one check of 22, which is \
+         of a normal distribution (σ), corrected for the number of groups of pixels that a check compares; the \
+         raw t of the whole picture and the largest of its groups stand beside it, in standard errors \
+         that the seeds estimate. What a sample that no seed happens to have would explain is no error. In a correct program the statistic exceeds 2 σ in one check of 22, which is \
          no sign of an error. The limit of {limit:.2} σ keeps the probability that any of the {} checks \
          fails by chance at {FAMILY_SIGNIFICANCE} or less. A chance failure is a single check slightly \
          over its limit that passes with other samples (a quick or a full run in place of this one). A \

@@ -107,6 +107,7 @@ impl ConvergenceReport<'_> {
                     "error": estimate(point.error(self.metric)),
                     "seconds": estimate(point.seconds()),
                     "cost": estimate(point.cost(self.metric)),
+                    "pixels_with_half_of_the_error": point.concentration(self.metric).pixels,
                 })
             };
             json!({
@@ -139,7 +140,11 @@ impl ConvergenceReport<'_> {
 impl fmt::Display for ConvergenceReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n{}", self.title(), self.reference_note())?;
-        writeln!(f, "means and slopes with 95 % intervals")?;
+        let squared = match self.metric {
+            ErrorMetric::Rmse => "MSE",
+            ErrorMetric::Relmse => "relMSE",
+        };
+        writeln!(f, "means and slopes with 95 % intervals; cost is {squared} x seconds")?;
         let columns = [8, 2, -24, -24, -1];
         for curve in self.series {
             let header = row(columns, ["spp", "", self.metric.name(), "seconds", "cost"]);

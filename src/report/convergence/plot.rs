@@ -106,7 +106,8 @@ mod tests {
         let point = |samples: u32| {
             let run = |seed: u32| {
                 let mse = factor * (1.0 + 0.1 * f64::from(seed)) / f64::from(samples);
-                RunErrors { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
+                let (seconds, concentration) = (1e-3 * f64::from(samples), Default::default());
+                RunErrors { mse, relmse: mse, seconds, concentration }
             };
             ConvergencePoint { samples, runs: (0..4).map(run).collect() }
         };

@@ -8,15 +8,17 @@ use crate::integrator::PathTrace;
 use crate::math::{DVec2, DVec3};
 use crate::scene::{PreparedScene, Scene};
 
+use super::numbers::number;
 use super::sketch::{Line, Sketch};
 use super::spheres::{name, to_scene};
-use super::text::number;
 
 /// More spheres than this only hide the path.
 const MAX_SPHERES: usize = 400;
 
 /// Approximate size of a sphere label.
 const LABEL: DVec2 = DVec2::new(80.0, 16.0);
+/// Approximate width of a letter.
+const LETTER: f64 = 7.2;
 
 const STYLE: &str = "\
 text { font: 13px sans-serif; fill: #222 }\n\
@@ -38,7 +40,8 @@ text { font: 13px sans-serif; fill: #222 }\n\
 pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
     let scene = prepared.scene();
     let sketch = Sketch::of(scene, trace);
-    let ends = sketch.lines.iter().filter_map(|line| line.to);
+    // Light that is blocked is shown, too.
+    let ends = sketch.points.iter().map(|(_, point)| *point);
     let points: Vec<DVec3> = sketch.vertices.iter().copied().chain(ends).collect();
     let view = SideView::of(&points, scene.description().camera.up);
     let mut canvas = Canvas::new(view.window, 64.0, STYLE);
@@ -91,29 +94,40 @@ fn draw_spheres(
             _ => "sphere",
         };
         // A sphere around the camera would cover everything, so only its outline is drawn.
-        let outline = match spheres.sphere(id).contains(sketch.camera - spheres.origin()) {
-            true => " around",
-            false => "",
-        };
+        let is_around = spheres.sphere(id).contains(sketch.camera - spheres.origin());
+        let outline = if is_around { " around" } else { "" };
         canvas.circle(&format!("{class}{outline}"), center, radius);
         if is_named(id) {
-            let position = avoid_overlap(view.label_place(center, radius), &occupied);
+            let name = name(scene, id).trim_matches('`').to_owned();
+            let on_wall = sketch.points.iter().find(|(of, _)| *of == id && is_around);
+            let position = match on_wall {
+                Some((_, point)) => view.wall_label_place(center, view.project(*point)),
+                None => view.label_place(center, radius),
+            };
+            let half = 0.5 * LETTER * name.chars().count() as f64;
+            let position = avoid_overlap(view.keep_in(position, half), &occupied, view.window.y);
             occupied.push(position);
-            labels.push((position, name(scene, id).trim_matches('`').to_owned()));
+            labels.push((position, name));
         }
     }
     labels
 }
 
-/// Moves a label down until it covers none of the others. Each of them moves it once.
-fn avoid_overlap(mut position: DVec2, occupied: &[DVec2]) -> DVec2 {
-    for _ in occupied {
-        let overlapping =
-            occupied.iter().find(|other| (position - **other).abs().cmplt(LABEL).all());
-        let Some(other) = overlapping else { break };
-        position.y = other.y + LABEL.y + 1.0;
-    }
-    position
+/// Moves a label down until it covers none of the others, or up, where it would leave the window.
+/// Each of them moves it once.
+fn avoid_overlap(start: DVec2, occupied: &[DVec2], height: f64) -> DVec2 {
+    let moved = |step: f64| {
+        let mut position = start;
+        for _ in occupied {
+            let overlapping =
+                occupied.iter().find(|other| (position - **other).abs().cmplt(LABEL).all());
+            let Some(other) = overlapping else { break };
+            position.y = other.y + step * (LABEL.y + 1.0);
+        }
+        position
+    };
+    let down = moved(1.0);
+    if down.y <= height - 4.0 { down } else { moved(-1.0) }
 }
 
 fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
@@ -207,7 +221,7 @@ fn draw_legend(
     for (class, text) in entries.into_iter().filter(is_drawn) {
         canvas.line(class, position, position + DVec2::X * 32.0);
         canvas.text("", "start", position + DVec2::new(40.0, 4.5), text);
-        position.x += 64.0 + 7.2 * text.len() as f64;
+        position.x += 64.0 + LETTER * text.len() as f64;
     }
 }
 
@@ -225,9 +239,13 @@ mod tests {
         let start = DVec2::new(100.0, 50.0);
         let mut occupied = vec![DVec2::new(300.0, 50.0)];
         for row in 0..4 {
-            let position = avoid_overlap(start + DVec2::new(f64::from(row), 0.0), &occupied);
+            let at = start + DVec2::new(f64::from(row), 0.0);
+            let position = avoid_overlap(at, &occupied, 1000.0);
             assert_eq!(position.y, 50.0 + (LABEL.y + 1.0) * f64::from(row));
             occupied.push(position);
         }
+        // Below is no place any more.
+        let last = avoid_overlap(start, &occupied, 60.0 + 3.0 * LABEL.y);
+        assert_eq!(last.y, 50.0 - (LABEL.y + 1.0));
     }
 }

@@ -3,8 +3,8 @@
 /// Columns of a terminal.
 const WIDTH: usize = 80;
 
-/// Breaks each line longer than a terminal at the last comma, semicolon, sign or remark outside
-/// of brackets that fits; what follows is indented further.
+/// Breaks each line longer than a terminal at the last comma, semicolon, plus or remark outside of
+/// brackets that fits, never between a symbol and its value; what follows is indented further.
 pub(super) fn fold(text: &str) -> String {
     let mut folded = String::with_capacity(text.len() + text.len() / 16);
     for line in text.lines() {
@@ -34,7 +34,7 @@ fn break_of(line: &str, indent: usize) -> Option<usize> {
         }
         let is_free = depth == 0 && at > indent;
         match (before, c) {
-            ([_, ',' | ';' | ':'], ' ') | ([_, ' '], '+' | '=') | ([')', ' '], '(') if is_free => {
+            ([_, ',' | ';' | ':'], ' ') | ([_, ' '], '+') | ([')', ' '], '(') if is_free => {
                 found = Some(at);
             }
             _ => {}
@@ -63,6 +63,8 @@ mod tests {
         assert!(folded.lines().skip(1).all(|line| line.starts_with("       ")), "{folded}");
         let joined: Vec<&str> = folded.split_whitespace().collect();
         assert_eq!(joined, line.split_whitespace().collect::<Vec<_>>());
+        let line = format!("     n = {number}, w_o = {number}, T = (1, 1, 1)");
+        assert!(fold(&line).ends_with(",\n       T = (1, 1, 1)\n"), "{}", fold(&line));
         assert_eq!(fold("short\n\nlines\n"), "short\n\nlines\n");
     }
 }

@@ -123,6 +123,16 @@ fn event_json(scene: &Scene, event: &PathEvent) -> Value {
             "p_bsdf": pdf_chance,
             "weight": weight,
         }),
+        PathEvent::ShadowCatcher { behind, light } => json!({
+            "event": "shadow_catcher",
+            "L": behind,
+            "source": light.map(|light| source_name(scene, light.sample.source)),
+            "wi": light.map(|light| light.sample.direction),
+            "distance": light.map(|light| light.sample.distance),
+            "L_e": light.map(|light| light.sample.radiance),
+            "probability": light.map(|light| light.probability),
+            "candidates": light.map(|light| light.count),
+        }),
         PathEvent::ShadowRay { connection, visibility, contribution } => json!({
             "event": "shadow_ray",
             "connection": connection,

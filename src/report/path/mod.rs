@@ -6,6 +6,8 @@ mod blocker;
 mod drawing;
 mod fold;
 mod json;
+mod lights;
+mod numbers;
 mod sketch;
 mod spheres;
 mod text;

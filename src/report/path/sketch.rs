@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::integrator::{PathEvent, PathTrace};
-use crate::light::LightSource;
+use crate::light::{LightSample, LightSource};
 use crate::math::DVec3;
 use crate::scene::Scene;
 
@@ -30,6 +30,8 @@ pub(super) struct Sketch {
     pub(super) emitters: Vec<u32>,
     /// Where shadow rays are blocked.
     pub(super) blocked: Vec<DVec3>,
+    /// Points of spheres that the path hits or samples.
+    pub(super) points: Vec<(u32, DVec3)>,
 }
 
 impl Sketch {
@@ -46,6 +48,7 @@ impl Sketch {
                     let point = to_scene(scene, hit.point);
                     sketch.extend(point);
                     sketch.hit_ids.push(hit.id);
+                    sketch.points.push((hit.id, point));
                     if scene.sphere_material(hit.id).material.is_emissive() {
                         sketch.emitters.push(hit.id);
                     }
@@ -59,37 +62,46 @@ impl Sketch {
                     }))
                 }
                 PathEvent::LightSample { sample, .. } => {
-                    if let LightSource::Emitter(id) | LightSource::FarWall(id) = sample.source {
-                        sketch.emitters.push(id);
-                    }
-                    let Some((visibility, _)) = shadow_result(&trace.events, index, 0) else {
-                        continue;
-                    };
-                    let Some(&from) = sketch.vertices.last() else { continue };
-                    let is_occluded = visibility == Rgb::ZERO;
-                    let blocker = is_occluded
-                        .then(|| {
-                            let way = (from - scene.spheres().origin(), sample.direction);
-                            let light = (sample.source.sphere_id(), sample.distance);
-                            let leaving = stands_on(&trace.events[..index]);
-                            distance_to_blocker(scene, leaving, way, light)
-                        })
-                        .flatten();
-                    let distance = blocker.unwrap_or(sample.distance);
-                    let to = distance.is_finite().then(|| from + distance * sample.direction);
-                    sketch.blocked.extend(to.filter(|_| blocker.is_some()));
-                    sketch.lines.push(Line {
-                        class: if is_occluded { "occluded" } else { "unoccluded" },
-                        from,
-                        to,
-                        direction: sample.direction,
-                    });
+                    sketch.add_light_sample(scene, trace, index, sample);
+                }
+                PathEvent::ShadowCatcher { light: Some(light), .. } => {
+                    sketch.add_light_sample(scene, trace, index, &light.sample);
                 }
                 PathEvent::Connection { .. } => sketch.connect(scene, trace, index),
                 _ => {}
             }
         }
         sketch
+    }
+
+    /// Adds the shadow ray of the light sample at event `index`, up to what blocks it.
+    fn add_light_sample(
+        &mut self,
+        scene: &Scene,
+        trace: &PathTrace,
+        index: usize,
+        sample: &LightSample,
+    ) {
+        let LightSample { source, direction, distance, .. } = *sample;
+        let Some(&from) = self.vertices.last() else { return };
+        if let LightSource::Emitter(id) | LightSource::FarWall(id) = source {
+            self.emitters.push(id);
+            self.points.push((id, from + distance * direction));
+        }
+        let Some((visibility, _)) = shadow_result(&trace.events, index, 0) else { return };
+        let is_occluded = visibility == Rgb::ZERO;
+        let blocker = is_occluded
+            .then(|| {
+                let way = (from - scene.spheres().origin(), direction);
+                let leaving = stands_on(&trace.events[..index]);
+                distance_to_blocker(scene, leaving, way, (source.sphere_id(), distance))
+            })
+            .flatten();
+        let length = blocker.unwrap_or(distance);
+        let to = length.is_finite().then(|| from + length * direction);
+        self.blocked.extend(to.filter(|_| blocker.is_some()));
+        let class = if is_occluded { "occluded" } else { "unoccluded" };
+        self.lines.push(Line { class, from, to, direction });
     }
 
     /// Adds the legs of the connection at event `index`.
@@ -101,9 +113,8 @@ impl Sketch {
         let result = shadow_result(&trace.events, index, *number);
         let (Some((visibility, _)), Some(&vertex)) = (result, self.vertices.last()) else { return };
         self.hit_ids.push(*caster);
-        if let LightSource::Emitter(id) = source {
-            self.emitters.push(*id);
-        }
+        let on_ball = connection.points().iter().map(|&point| (*caster, to_scene(scene, point)));
+        self.points.extend(on_ball);
         let class = if visibility == Rgb::ZERO { "occluded" } else { "unoccluded" };
         let mut from = vertex;
         for &point in connection.points() {
@@ -114,6 +125,10 @@ impl Sketch {
         let direction = -connection.direction_at_y;
         let is_finite = connection.leg_at_y.is_finite();
         let to = is_finite.then(|| from + connection.leg_at_y * direction);
+        if let LightSource::Emitter(id) = source {
+            self.emitters.push(*id);
+            self.points.extend(to.map(|to| (*id, to)));
+        }
         self.lines.push(Line { class, from, to, direction });
     }
 

@@ -3,20 +3,26 @@
 use crate::color::Rgb;
 use crate::draw::text::count;
 use crate::geometry::Side;
-use crate::integrator::{Contribution, PathEvent, PathTrace, Rival, Termination};
-use crate::light::LightSample;
+use crate::integrator::{PathEvent, PathTrace, Termination};
 use crate::material::Lobe;
 use crate::math::DVec3;
+use crate::scene::settings::Estimator;
 use crate::scene::{PreparedScene, Scene};
 
 use super::fold::fold;
-use super::spheres::{name, shadow_result, source_name, to_scene, way_over_ball};
+use super::lights::{
+    connection_text, emission_text, estimator, light_sample_text, shadow_catcher_text, shadow_text,
+    transmittance_text,
+};
+use super::numbers::{color, number, vector};
+use super::spheres::{name, shadow_result, to_scene};
 
 /// Describes the whole path.
 pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
     let scene = prepared.scene();
     let address = trace.address;
     let render = prepared.render_settings();
+    let estimator = estimator(render);
     let mut text = format!(
         "pixel {}, {}, sample {} of {}, seed {}, integrator {}, estimator {}, sampler {}, caustics {}\n\n",
         address.x,
@@ -25,7 +31,7 @@ pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
         render.samples_per_pixel,
         render.seed,
         render.integrator.kind().name(),
-        render.estimator.name(),
+        estimator.name(),
         render.sampler.name(),
         render.caustics.name()
     );
@@ -34,7 +40,7 @@ pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
         if let PathEvent::Hit { .. } = event {
             vertex += 1;
         }
-        text += &event_text(scene, trace, index, vertex);
+        text += &event_text(scene, estimator, trace, index, vertex);
     }
     let radiance = trace.radiance;
     text += &format!(
@@ -47,8 +53,15 @@ pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
     fold(&text)
 }
 
-fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> String {
-    match &trace.events[index] {
+fn event_text(
+    scene: &Scene,
+    estimator: Estimator,
+    trace: &PathTrace,
+    index: usize,
+    vertex: usize,
+) -> String {
+    let event = &trace.events[index];
+    match event {
         PathEvent::CameraRay { ray, redraws } => {
             let redraw_note = match redraws {
                 0 => String::new(),
@@ -82,21 +95,7 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
         PathEvent::Miss { throughput, .. } => {
             format!("\n     the ray misses; T = {}\n", color(*throughput))
         }
-        PathEvent::Emission { source, radiance, pdf, rival, weight, contribution } => {
-            let emitter = source_name(scene, *source);
-            let mis_text = match pdf {
-                None => "not reachable by light sampling: w = 1".to_owned(),
-                Some(pdf) => format!(
-                    "p = {} by BSDF sampling, {}: w = {}",
-                    number(*pdf),
-                    rival_text(*rival),
-                    number(f64::from(*weight))
-                ),
-            };
-            let light = color(*radiance);
-            format!("     {emitter} emits: L_e = {light}; {mis_text}\n")
-                + &contribution_text("T L_e w", *contribution)
-        }
+        PathEvent::Emission { .. } => emission_text(scene, estimator, event),
         PathEvent::HiddenBoundary => {
             "     boundary hidden by a medium of higher priority: passes straight through\n"
                 .to_owned()
@@ -107,17 +106,20 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
         PathEvent::Transparent => {
             "     transparent for this path: passes straight through\n".to_owned()
         }
-        PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => {
-            let text =
-                light_sample_text(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
+        PathEvent::LightSample { transmittance, .. } => {
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
-            text + &shadow_text(tau, shadow_result(&trace.events, index, 0))
+            light_sample_text(scene, estimator, event)
+                + &shadow_text(tau, shadow_result(&trace.events, index, 0))
         }
         PathEvent::Connection { number, .. } => {
             let result = shadow_result(&trace.events, index, *number);
-            connection_text(scene, &trace.events[index]) + &shadow_text(" tau", result)
+            connection_text(scene, estimator, event) + &shadow_text(" t_ball", result)
         }
-        // Covered by the light sample or connection.
+        PathEvent::ShadowCatcher { behind, light } => {
+            let result = shadow_result(&trace.events, index, 0);
+            shadow_catcher_text(scene, (*behind, *light), result)
+        }
+        // Covered by the light sample, connection or shadow catcher.
         PathEvent::ShadowRay { .. } => String::new(),
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
             bsdf_sample_text(*lobe, *wi, *pdf, *weight, *eta)
@@ -125,121 +127,21 @@ fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> 
         }
         PathEvent::Roulette { survival, survives, throughput } => {
             let survival = number(f64::from(*survival));
-            if *survives {
-                format!(
+            match survives {
+                true => format!(
                     "     roulette: survives with probability {survival}; T = {}\n",
                     color(*throughput)
-                )
-            } else {
-                format!("     roulette: terminated, survival probability {survival}\n")
+                ),
+                false => format!(
+                    "     the path ends: {}, which it would have survived with probability {survival}\n",
+                    reason(Termination::Roulette)
+                ),
             }
         }
+        // Covered by the roulette.
+        PathEvent::End(Termination::Roulette) => String::new(),
         PathEvent::End(termination) => format!("     the path ends: {}\n", reason(*termination)),
     }
-}
-
-/// Describes the result of a light sample; `tau` is the symbol of the medium's transmittance.
-fn shadow_text(tau: &str, shadow_result: Option<(Rgb, Contribution)>) -> String {
-    match shadow_result {
-        None => "     grazing: no shadow ray leaves the surface\n".to_owned(),
-        Some((Rgb::ZERO, _)) => "     occluded\n".to_owned(),
-        Some((Rgb::ONE, contribution)) => {
-            contribution_text(&format!("T f_r |cos| L_e{tau} w / p"), contribution)
-        }
-        Some((visibility, contribution)) => {
-            let visibility_text = color(visibility);
-            format!("     partly occluded: V = {visibility_text}\n")
-                + &contribution_text(&format!("T f_r |cos| L_e{tau} V w / p"), contribution)
-        }
-    }
-}
-
-/// Describes a transmittance below 1.
-fn transmittance_text(transmittance: Rgb) -> String {
-    match transmittance {
-        Rgb::ONE => String::new(),
-        tau => format!(" through a medium, tau = {}", color(tau)),
-    }
-}
-
-fn light_sample_text(
-    scene: &Scene,
-    sample: &LightSample,
-    transmittance: Rgb,
-    f: Rgb,
-    cos: f64,
-    pdf_bsdf: f64,
-    weight: f64,
-) -> String {
-    let light = source_name(scene, sample.source);
-    let distance = match sample.distance.is_finite() {
-        true => format!(" at distance {}", number(sample.distance)),
-        false => String::new(),
-    };
-    format!(
-        "     samples {light}{distance}{}: w_i = {}, L_e = {}\n     \
-         f_r = {}, |cos| = {}, p = {}, {} by BSDF sampling: w = {}\n",
-        transmittance_text(transmittance),
-        vector(sample.direction),
-        color(sample.radiance),
-        color(f),
-        number(cos),
-        number(sample.pdf),
-        number(pdf_bsdf),
-        number(weight)
-    )
-}
-
-/// Describes the pdf of what else could have found a light.
-fn rival_text(rival: Rival) -> String {
-    match rival {
-        Rival::LightSample(pdf) => format!("{} by light sampling", number(pdf)),
-        Rival::Connection(pdf) => format!("{} by connections", number(pdf)),
-    }
-}
-
-fn connection_text(scene: &Scene, event: &PathEvent) -> String {
-    let PathEvent::Connection {
-        caster,
-        kind,
-        source,
-        connection,
-        radiance,
-        transmittance,
-        f,
-        cos,
-        pmf,
-        pdf,
-        pdf_chance,
-        weight,
-        ..
-    } = event
-    else {
-        return String::new();
-    };
-    let points: Vec<String> =
-        connection.points().iter().map(|&point| vector(to_scene(scene, point))).collect();
-    format!(
-        "     connects {} {} to {}, at {}\n     \
-         w_i = {}, |dA / dw| = {}, L_e = {}, tau = {}\n     \
-         P(pair) = {}, p(y) / cos_y = {}, p = {}, {} by BSDF sampling\n     \
-         f_r = {}, |cos| = {}, w = {}\n",
-        way_over_ball(*kind),
-        name(scene, *caster),
-        source_name(scene, *source),
-        points.join(", then "),
-        vector(connection.direction_at_x),
-        number(connection.spread),
-        color(*radiance),
-        color(*transmittance),
-        number(*pmf),
-        number(pdf / (pmf * connection.spread)),
-        number(*pdf),
-        number(*pdf_chance),
-        color(*f),
-        number(*cos),
-        number(*weight)
-    )
 }
 
 fn bsdf_sample_text(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
@@ -260,15 +162,6 @@ fn bsdf_sample_text(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> S
     )
 }
 
-fn contribution_text(formula: &str, contribution: Contribution) -> String {
-    let layer = if contribution.is_direct { "direct" } else { "indirect" };
-    let clamp_note = match contribution.clamp {
-        1.0 => String::new(),
-        clamp => format!("; scaled by {} by clamp_indirect", number(f64::from(clamp))),
-    };
-    format!("   + {formula} = {} ({layer}{clamp_note})\n", color(contribution.radiance))
-}
-
 /// Explains why a path ends.
 pub(super) fn reason(termination: Termination) -> &'static str {
     match termination {
@@ -279,47 +172,8 @@ pub(super) fn reason(termination: Termination) -> &'static str {
         Termination::Trapped => "total reflection keeps it in a sphere where it finds no light",
         Termination::Absorbed => "the surface scatters no light in the sampled direction",
         Termination::Grazing => "the sampled direction grazes the surface",
-        Termination::LowThroughput => {
-            "its throughput is too small, or Russian roulette terminated it"
-        }
+        Termination::Roulette => "Russian roulette terminates it",
+        Termination::LowThroughput => "its throughput is zero or below the threshold",
         Termination::DirectOnly => "this integrator computes direct light only",
-    }
-}
-
-fn vector(v: DVec3) -> String {
-    format!("({}, {}, {})", number(v.x), number(v.y), number(v.z))
-}
-
-fn color(color: Rgb) -> String {
-    vector(color.as_dvec3())
-}
-
-/// Formats four significant digits, as short as possible.
-pub(super) fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !(1e-4..1e6).contains(&size) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3 - libm::log10(size).floor() as i32).max(0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        let shown =
-            [0.0, 1.0, -0.5, 12.3456, 123456.7, 1e-7, 0.00123456, f64::INFINITY].map(number);
-        assert_eq!(shown, ["0", "1", "-0.5", "12.35", "123457", "1.000e-7", "0.001235", "inf"]);
     }
 }

@@ -1,6 +1,8 @@
 //! Reports intersector speed as text, JSON and bars, and as a page for the standard scenes.
 
+mod digits;
 mod page;
+mod sentence;
 mod stages;
 
 use std::fmt;

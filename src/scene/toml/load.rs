@@ -1,7 +1,7 @@
 //! Loads a scene file into values and then a scene, with the position of every error.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,13 +14,14 @@ use crate::scene::description::SceneDescription;
 use crate::scene::import::{GivenTable, ImportPlan, TablePlan, check_count};
 use crate::scene::loaded_particles::LoadedParticles;
 use crate::scene::particle_table::FileRows;
-use crate::scene::settings::Settings;
+use crate::scene::settings::{RenderSettings, Settings};
 use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::validation_errors::{self, ValidationErrors};
 use crate::scene::{Override, Scene, SceneSize};
 
 use super::diagnostics::Diagnostics;
 use super::document::{self, span_at};
+use super::missing_file;
 use super::overrides::ParsedOverride;
 use super::read::read;
 
@@ -40,6 +41,8 @@ pub struct SceneFile {
     pub settings: Settings,
     /// What a user should know of how overrides were understood.
     pub notes: Vec<String>,
+    /// The overrides that change nothing, each with the reason.
+    pub warnings: Vec<String>,
     source: SceneSource,
     import_plan: ImportPlan,
     locator: ErrorLocator,
@@ -211,7 +214,16 @@ fn read_from(
         text_hash: ContentHash::of_bytes(text.as_bytes()),
         overrides: overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
     };
-    Ok(SceneFile { description, settings, notes, source, import_plan: survey, locator: places })
+    let warnings =
+        overrides.iter().filter_map(|given| no_effect(given, &settings.render)).collect();
+    let import_plan = survey;
+    Ok(SceneFile { description, settings, notes, warnings, source, import_plan, locator: places })
+}
+
+/// A warning if an override changes nothing.
+fn no_effect(given: &Override, render: &RenderSettings) -> Option<String> {
+    let why = render.why_no_effect(given.key.strip_prefix("render.")?)?;
+    Some(format!("`{given}` has no effect: {why}"))
 }
 
 impl SceneFile {
@@ -250,8 +262,7 @@ impl SceneFile {
     /// # Errors
     /// Reports all errors in the tables at once, or that they do not fit into memory.
     pub fn build(self) -> Result<(Scene, Settings)> {
-        let Self { description, settings, notes: _, source, import_plan: survey, locator: places } =
-            self;
+        let Self { description, settings, source, import_plan: survey, locator: places, .. } = self;
         let text = source.text.clone();
         let refuse = |problems: ValidationErrors| match &text {
             // The document was freed; parse it again only to locate errors.
@@ -292,7 +303,13 @@ impl ErrorLocator {
 
 fn read_to_string(path: &Path) -> Result<String> {
     let trouble = |error: std::io::Error| Error::file("read the scene", path, error);
-    let file = File::open(path).map_err(trouble)?;
+    let file = File::open(path).map_err(|error| {
+        let help = missing_file::suggestion(path).filter(|_| error.kind() == ErrorKind::NotFound);
+        match help {
+            Some(help) => trouble(error).with_help(help),
+            None => trouble(error),
+        }
+    })?;
     if file.metadata().map_err(trouble)?.is_dir() {
         return Err(Error::file("read the scene", path, "it is a folder"));
     }

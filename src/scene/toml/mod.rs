@@ -4,6 +4,7 @@
 mod diagnostics;
 mod document;
 mod load;
+mod missing_file;
 mod nesting;
 mod not_toml;
 mod overrides;

@@ -3,6 +3,8 @@
 //! Overrides are written into the parsed document before it is read, with spans that point into
 //! their own text. Errors in them are therefore reported there.
 
+use std::fmt;
+
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::names::did_you_mean;
@@ -49,6 +51,13 @@ impl Override {
             true => ("override", format!("{}={}", self.key, self.value)),
             false => ("command line", self.option.join(" ")),
         }
+    }
+}
+
+/// The words of the command line, or `key=value`.
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.origin().1)
     }
 }
 

@@ -125,11 +125,17 @@ fn compare(pictures: &[PixelValues], solution: &[Option<f64>], samples: u32) -> 
         tests.map(|group| p_value(group, pictures, solution, samples)).fold(1.0, f64::min);
     let p = (smallest * (groups.len() + 1) as f64).min(1.0);
     let (found, expected) = (seed_mean(&all, pictures), mean_solution(&all, solution));
+    let worst = groups
+        .iter()
+        .map(|group| seed_mean(group, pictures).t(mean_solution(group, solution)).abs());
     let detail = format!(
-        "{:.6} ± {:.6}, exact {expected:.6}; {} groups, {:.1e} samples",
+        "{:.6} ± {:.6}, exact {expected:.6}: t = {:.2}; the largest |t| of {} groups {:.2}; \
+         {:.1e} samples",
         found.mean,
         found.standard_error,
+        found.t(expected),
         groups.len(),
+        worst.fold(0.0, f64::max),
         (pictures.len() * solution.len()) as f64 * f64::from(samples)
     );
     CheckMeasurement::new(TestStatistic::PValue(p), detail).with_images(figures(pictures, solution))

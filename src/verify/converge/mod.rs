@@ -46,6 +46,17 @@ pub struct Reference {
     noise: Option<[f64; 2]>,
 }
 
+/// How few pixels carry half of a sum of squared errors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Concentration {
+    /// The number of the worst pixels that carry half of it.
+    pub pixels: usize,
+    /// The index of the worst pixel.
+    pub worst: usize,
+    /// The number of all pixels.
+    pub of: usize,
+}
+
 /// Errors and time of one image.
 #[derive(Clone, Copy, Debug)]
 pub struct RunErrors {
@@ -55,6 +66,8 @@ pub struct RunErrors {
     pub relmse: f64,
     /// Render time in seconds.
     pub seconds: f64,
+    /// Which pixels carry the squared and the relative squared error.
+    pub concentration: [Concentration; 2],
 }
 
 /// All seeds at one sample count.
@@ -135,11 +148,38 @@ impl Reference {
     /// Measures an image of the same size that took this many seconds.
     pub fn measure(&self, picture: &[Rgb], seconds: f64) -> RunErrors {
         let [noise, relative_noise] = self.noise.unwrap_or_default();
+        let of = |error: fn(Rgb, Rgb) -> f64| Concentration::of(picture, &self.pixels, error);
         RunErrors {
             mse: mean_error(picture, &self.pixels, squared) - noise,
             relmse: mean_error(picture, &self.pixels, relative_squared) - relative_noise,
             seconds,
+            concentration: [of(squared), of(relative_squared)],
         }
+    }
+}
+
+impl Concentration {
+    /// One pixel of so many is few.
+    const FEW: usize = 500;
+
+    fn of(a: &[Rgb], b: &[Rgb], error: impl Fn(Rgb, Rgb) -> f64) -> Self {
+        let errors = a.iter().zip(b).map(|(&a, &b)| error(a, b)).enumerate();
+        let mut errors: Vec<(usize, f64)> = errors.collect();
+        errors.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let half = 0.5 * errors.iter().map(|(_, error)| error).sum::<f64>();
+        let mut sum = 0.0;
+        let below_half = errors.iter().take_while(|(_, error)| {
+            sum += error;
+            sum < half
+        });
+        let pixels = (below_half.count() + 1).min(errors.len());
+        Self { pixels, worst: errors.first().map_or(0, |(pixel, _)| *pixel), of: errors.len() }
+    }
+
+    /// Returns true if so few pixels carry half of the error that a mean over all pixels says
+    /// little.
+    pub fn is_high(&self) -> bool {
+        self.pixels * Self::FEW <= self.of
     }
 }
 
@@ -154,6 +194,15 @@ impl ConvergencePoint {
     /// Error over the seeds.
     pub fn error(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| run.error(metric))
+    }
+
+    /// Which pixels carry the error, in the run in which most do.
+    pub fn concentration(&self, metric: ErrorMetric) -> Concentration {
+        let of = |run: &RunErrors| match metric {
+            ErrorMetric::Rmse => run.concentration[0],
+            ErrorMetric::Relmse => run.concentration[1],
+        };
+        self.runs.iter().map(of).max_by_key(|one| one.pixels).unwrap_or_default()
     }
 
     /// Render time in seconds over the seeds.
@@ -269,11 +318,25 @@ mod tests {
     fn a_line_goes_through_its_points_and_bad_errors_give_none() {
         let (slope, intercept) = line(&[0.0, 1.0, 2.0], &[1.0, 0.5, 0.0]);
         assert!((slope + 0.5).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
-        let run = RunErrors { mse: -1.0, relmse: 1.0, seconds: 1.0 };
+        let concentration = Default::default();
+        let run = RunErrors { mse: -1.0, relmse: 1.0, seconds: 1.0, concentration };
         let point = |samples| ConvergencePoint { samples, runs: vec![run; 3] };
         let series = Series { name: String::new(), points: vec![point(1), point(2)] };
         assert!(series.fit(ErrorMetric::Rmse, Axis::Samples).is_none());
         assert!(series.fit(ErrorMetric::Relmse, Axis::Samples).is_some());
+    }
+
+    #[test]
+    fn a_few_pixels_that_carry_the_error_are_found() {
+        let mut random = StdRng::seed_from_u64(6);
+        let reference = Reference::from_picture(vec![Rgb::splat(0.5); 1000], None);
+        let mut picture = noisy(4, &mut random);
+        let even = reference.measure(&picture, 1.0).concentration[0];
+        assert!(!even.is_high() && even.pixels > 50 && even.of == 1000, "{even:?}");
+        picture[321] = Rgb::splat(100.0);
+        let odd = reference.measure(&picture, 1.0).concentration;
+        assert_eq!(odd, [Concentration { pixels: 1, worst: 321, of: 1000 }; 2]);
+        assert!(odd[0].is_high());
     }
 
     #[test]

@@ -126,9 +126,9 @@ fn paths_across_a_boundary_are_as_many_as_a_scan_finds() {
         let [near, far] = [1.0, -1.0].map(|sign| {
             count_roots(theta, |s| {
                 let h = s * largest;
-                let tau = asin(h / (ior * d1));
-                let tau = if sign > 0.0 { tau } else { PI - tau };
-                tau - asin(h / ior) + asin(h) - asin(h * c2)
+                let gamma = asin(h / (ior * d1));
+                let gamma = if sign > 0.0 { gamma } else { PI - gamma };
+                gamma - asin(h / ior) + asin(h) - asin(h * c2)
             })
         });
         let found = SpecularPath::Outward.connect(&ball, ior, x, y).len();

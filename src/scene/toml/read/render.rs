@@ -6,6 +6,7 @@ use crate::scene::settings::{
     RenderSettings, SamplerKind,
 };
 use crate::scene::toml::document::{Table, TableValues};
+use crate::scene::value_types::Span;
 
 pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> RenderSettings {
     let usual = RenderSettings::default();
@@ -74,7 +75,8 @@ fn read_paper(table: &Table<'_>) -> PaperSettings {
 /// The number of paths per sub-pixel, from all sample settings.
 ///
 /// `samples_per_pixel` is binding if it was meant for this integrator: in an option, or in a file
-/// that selects it. In a file that selects another integrator it is followed if possible.
+/// that selects it; an option wins over the sub-pixels' samples of a file. In a file that selects
+/// another integrator it is followed if possible.
 fn reconcile_samples(
     render: &Table<'_>,
     table: &Table<'_>,
@@ -95,12 +97,19 @@ fn reconcile_samples(
         let message = format!(
             "`render.samples_per_pixel` must be a multiple of the {k} x {k} sub-pixels, not {given}"
         );
-        let near = (given / subpixels).max(1) * subpixels;
-        render.error_at("samples_per_pixel", message, format!("try {near}"));
+        let below = given / subpixels * subpixels;
+        let near = match below {
+            0 => format!("try {subpixels}"),
+            _ => format!("try {below} or {}", below.saturating_add(subpixels)),
+        };
+        render.error_at("samples_per_pixel", message, near);
         return paper.samples;
     }
+    let is_of_file = |span: &Span| report.is_in_file(span);
+    let wins = !is_of_file(&span) && samples_span.as_ref().is_some_and(is_of_file);
     match samples_span {
         None if is_multiple => given / subpixels,
+        Some(_) if wins => given / subpixels,
         Some(samples_span) if binds && u64::from(given) != paper.samples_per_pixel() => {
             let message = format!(
                 "`render.samples_per_pixel` is {given}, but {k} x {k} sub-pixels of {} samples \

@@ -1,5 +1,7 @@
-//! Images of integrators that do not simulate light transport.
+//! Images that only the first hit and what is above it decide.
 
+use crate::geometry::Sphere;
+use crate::math::DVec3;
 use crate::scene::PreparedScene;
 use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
 use crate::verify::closed_forms::sphere_light::SubtendedCap;
@@ -11,10 +13,26 @@ pub(super) fn ambient_occlusion(prepared: &PreparedScene, nodes: usize) -> Vec<O
     let spheres = spheres(prepared);
     pixel_means(prepared, nodes, rays(prepared), |ray| {
         let Some((ball, t)) = ray.nearest_hit(&spheres, None) else { return Some((2, 1.0)) };
-        let (point, other) = (ray.at(t), &spheres[1 - ball]);
-        let covered = SubtendedCap::new(other, point, normal(&spheres[ball], point)).irradiance();
-        Some((ball, 1.0 - covered / std::f64::consts::PI))
+        Some((ball, openness(&spheres, ball, ray.at(t))))
     })
+}
+
+/// What is behind a ground that catches shadows, times how open the ground is under the ball.
+pub(super) fn shadow_catcher(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let backdrop = prepared.description().background.backdrop.map_or(f64::NAN, |l| l.y.into());
+    pixel_means(prepared, nodes, rays(prepared), |ray| match ray.nearest_hit(&spheres, None) {
+        None => Some((2, backdrop)),
+        Some((0, t)) => Some((0, backdrop * openness(&spheres, 0, ray.at(t)))),
+        Some(_) => None,
+    })
+}
+
+/// One minus the form factor of the other ball of two.
+fn openness(spheres: &[Sphere], ball: usize, point: DVec3) -> f64 {
+    let (ball, other) = (&spheres[ball], &spheres[1 - ball]);
+    let covered = SubtendedCap::new(other, point, normal(ball, point)).irradiance();
+    1.0 - covered / std::f64::consts::PI
 }
 
 /// Weighted mean of the three channels that encode a normal.

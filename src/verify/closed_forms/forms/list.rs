@@ -296,6 +296,14 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         )
     },
     form!(
+        "shadow-catcher",
+        "the shadow of a ball on a ground that the camera does not see",
+        "L = Lb (1 - F), F the form factor of the ball, cut by the horizon",
+        Direct,
+        16,
+        first_hits::shadow_catcher
+    ),
+    form!(
         "openness",
         "how open the points of two balls are",
         "1 - F, F the form factor of the other ball",
