@@ -28,6 +28,8 @@ mod memory_plan;
 #[cfg(unix)]
 mod mistakes_in_a_scene;
 #[cfg(unix)]
+mod overlays;
+#[cfg(unix)]
 mod particles;
 #[cfg(unix)]
 mod pictures;
