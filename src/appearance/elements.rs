@@ -1,6 +1,6 @@
 //! The elements of particles.
 
-use crate::particles::{Column, ColumnData, Format, Particles, Role};
+use crate::particles::{Categories, Column, ColumnData, Format, Particles, Role};
 
 use super::element::Element;
 
@@ -15,16 +15,24 @@ pub(super) struct ParticleElements<'a> {
 }
 
 enum Codes<'a> {
-    Words(&'a [u32]),
+    Words(&'a Categories),
     Numbers(&'a Column),
 }
 
 impl ParticleElements<'_> {
+    /// What the file calls a particle's element.
+    pub(super) fn label(&self, row: usize) -> String {
+        match &self.codes {
+            Codes::Words(words) => words.word(row).to_owned(),
+            Codes::Numbers(column) => column.data.show(row),
+        }
+    }
+
     /// Index of a particle's kind.
     #[inline]
     pub(super) fn kind(&self, row: usize) -> usize {
         match &self.codes {
-            Codes::Words(codes) => codes[row] as usize,
+            Codes::Words(words) => words.codes[row] as usize,
             Codes::Numbers(column) => number_kind(column.number(row)),
         }
     }
@@ -44,7 +52,7 @@ pub(super) fn particle_elements(particles: &Particles) -> Option<ParticleElement
         let kinds: Vec<_> = words.names.iter().map(|name| Element::of_label(name)).collect();
         let known = kinds.iter().flatten().count();
         (known > 0 && 2 * known >= kinds.len())
-            .then_some(ParticleElements { kinds, codes: Codes::Words(&words.codes) })
+            .then_some(ParticleElements { kinds, codes: Codes::Words(words) })
     };
     let numbers = || {
         let column = particles.role(Role::AtomicNumber)?;
@@ -55,7 +63,7 @@ pub(super) fn particle_elements(particles: &Particles) -> Option<ParticleElement
         // GROMACS files tell the element by the name of the atom alone.
         let ColumnData::Text(words) = &particles.column(ATOM_NAME)?.data else { return None };
         let kinds: Vec<_> = words.names.iter().map(|name| of_gromacs_name(name)).collect();
-        let codes = Codes::Words(&words.codes);
+        let codes = Codes::Words(words);
         Some(ParticleElements { kinds, codes }).filter(|_| particles.format == Format::Gro)
     };
     labels(Role::Element).or_else(numbers).or_else(|| labels(Role::Type)).or_else(names)

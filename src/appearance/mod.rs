@@ -6,6 +6,7 @@ mod arrange;
 mod cell_edges;
 mod color_map;
 mod colors;
+mod doubts;
 mod dress;
 mod dressed;
 mod element;

@@ -134,7 +134,7 @@ fn of_elements(
 }
 
 /// Radius of atoms without a known element, such as dummies, in angstrom.
-const UNKNOWN_ELEMENT_RADIUS: f64 = 0.8;
+pub(super) const UNKNOWN_ELEMENT_RADIUS: f64 = 0.8;
 
 fn of_expression(particles: &Particles, text: &str, scale: f64) -> Result<Radii, AppearanceError> {
     // A column in f32 stays one.

@@ -25,6 +25,7 @@ mod light_trap;
 mod loaded_particles;
 mod npy;
 mod particle_file;
+mod particle_radii;
 mod particle_table;
 pub(crate) mod paths;
 mod prepared_scene;

@@ -127,15 +127,18 @@ fn import_with(
     };
     let towards = (camera.position - camera.look_at).normalize();
     let elevation = towards.dot(options.up).asin().to_degrees();
-    let has_ground = options.ground.unwrap_or(values.ground && elevation > MIN_GROUND_ELEVATION);
     let backdrop = match options.background {
         Some(Background::Transparent) => None,
         Some(Background::Color(color)) => Some(color),
         None => Some(Rgb::splat(values.backdrop as f32)),
     };
-    let ground = (has_ground && backdrop.is_some())
-        .then(|| ground(count, &sphere, options.up))
-        .filter(|(center, radius)| camera.position.distance(*center) > *radius);
+    // A ground would fill a transparent background, unless it is asked for: then as a shadow.
+    let usual = values.ground && elevation > MIN_GROUND_ELEVATION && backdrop.is_some();
+    let has_ground = options.ground.unwrap_or(usual);
+    let ground = has_ground.then(|| ground(count, &sphere, options.up));
+    let is_above = |(center, radius): &(DVec3, f64)| camera.position.distance(*center) > *radius;
+    let ground = ground.filter(is_above);
+    refuse_ground_keys(ground.is_some(), overrides)?;
     let chosen = &particles.look.choices;
     let material = options.material.as_deref().unwrap_or(values.material);
     let composition = Composition {
@@ -156,10 +159,23 @@ fn import_with(
         choices.push(("view", "-55,25".to_owned()));
     }
     choices.extend(chosen.iter().cloned());
-    let notes = particles.look.notes.clone();
+    let mut notes = particles.look.notes.clone();
+    if options.ground == Some(true) && ground.is_none() {
+        notes.push("there is no ground, because the camera would be below it".to_owned());
+    }
     drop(sphere);
     let scene = read_text_reusing(name, &text, folder, overrides, scene)?;
     Ok(Import { text, scene, choices, notes })
+}
+
+/// Refuses keys of a ground that is not there.
+fn refuse_ground_keys(has_ground: bool, overrides: &[Override]) -> Result<()> {
+    let is_of_ground = |given: &&Override| given.key.starts_with("spheres.ground.");
+    let Some(given) = overrides.iter().find(is_of_ground).filter(|_| !has_ground) else {
+        return Ok(());
+    };
+    let message = format!("there is no ground, whose key `{}` is set", given.key);
+    Err(Error::input(message).with_help("lay one: --ground true; it is left out from below"))
 }
 
 /// The samples per pixel that an override asks for, or the usual number.

@@ -6,7 +6,7 @@
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::names::did_you_mean;
-use crate::scene::keys::of_other_types;
+use crate::scene::keys::{is_list, of_other_types};
 use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
@@ -144,6 +144,11 @@ impl ParsedOverride {
         let node = match place {
             Container::List(list) => self.entry(list, parents, step)?,
             Container::Table(table) => {
+                if parents.is_empty() && is_list(&step.name) && !table.contains_key(&*step.name) {
+                    let message =
+                        format!("the scene has no `[[{}]]` whose keys could be set", step.name);
+                    return Err(self.error(message));
+                }
                 // A partial material would only be reported for its missing keys.
                 if matches!(parents, [only] if only.name == "materials") {
                     self.require_material(table, step)?;
@@ -200,7 +205,8 @@ impl ParsedOverride {
         match *named {
             [index] => Ok(index),
             [] => {
-                let help = did_you_mean(name, list.iter().filter_map(name_of));
+                let names = || list.iter().filter_map(name_of);
+                let help = did_you_mean(name, names()).or_else(|| known(names(), list.len()));
                 Err(self.error(format!("no entry of `{path}` is named {name:?}")).help(help))
             }
             [first, ..] => {
@@ -281,6 +287,20 @@ fn other_types(way: &[KeySegment], name: &str) -> Vec<&'static str> {
         [only] if only.name == "camera" => of_other_types("camera", name),
         [first, _] if first.name == "materials" => of_other_types("materials.NAME", name),
         _ => Vec::new(),
+    }
+}
+
+/// Says which entries there are.
+fn known<'n>(names: impl Iterator<Item = &'n str>, count: usize) -> Option<String> {
+    const MOST: usize = 8;
+    let mut names: Vec<String> = names.take(MOST + 1).map(|name| format!("{name:?}")).collect();
+    if names.len() > MOST {
+        names[MOST] = "...".to_owned();
+    }
+    match (names.is_empty(), count) {
+        (false, _) => Some(format!("named are {}", names.join(", "))),
+        (true, 0) => None,
+        (true, count) => Some(format!("none has a name: count them, from 0 to {}", count - 1)),
     }
 }
 
