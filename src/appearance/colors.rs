@@ -53,6 +53,17 @@ pub enum Legend {
     },
 }
 
+impl Legend {
+    /// The share of a picture's width that it takes at the right; 0 if nothing is drawn.
+    pub fn room(&self) -> f64 {
+        match self {
+            Self::Range { .. } => 0.12,
+            Self::Categories { entries, .. } if entries.len() > 1 => 0.07,
+            Self::Categories { .. } | Self::Nothing => 0.0,
+        }
+    }
+}
+
 /// The colour of numbers that are no numbers, and of atoms without a known element.
 const UNKNOWN: [f32; 3] = [0.3, 0.3, 0.3];
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::appearance::{Framing, Legend, ViewDirection, frame};
+use crate::appearance::{Framing, ViewDirection, frame};
 use crate::color::Rgb;
 use crate::error::{Diagnostic, Error, Result};
 use crate::math::DVec3;
@@ -111,13 +111,14 @@ fn import_with(
     }
     let size = size_of(&scene);
     let particles = scene.particles().next().ok_or_else(|| Error::input("no particles"))?;
+    let [left, right, top, bottom] = options.margins;
     let framing = Framing {
         view: options.view.unwrap_or(DEFAULT_VIEW),
         up: options.up,
         vertical_fov_degrees: (!options.orthographic).then_some(VERTICAL_FOV_DEGREES),
         zoom: options.zoom,
         aspect: f64::from(size[0]) / f64::from(size[1]),
-        margins: margins(options.margins, &particles.look.legend),
+        margins: [left, right + particles.look.legend.room(), top, bottom],
     };
     let count = particles.len() + particles.look.hidden.len();
     let sphere = particles.spheres();
@@ -188,16 +189,6 @@ fn samples(overrides: &[Override]) -> u32 {
 fn has_radius_of_distances(scene: &SceneFile) -> bool {
     let mut choices = scene.particles().flat_map(|particles| &particles.look.choices);
     choices.any(|(key, value)| *key == "radius" && value.parse::<f64>().is_ok())
-}
-
-/// Leaves room for a colour bar or a legend to the right.
-fn margins([left, right, top, bottom]: [f64; 4], legend: &Legend) -> [f64; 4] {
-    let right = match legend {
-        Legend::Range { .. } => right + 0.12,
-        Legend::Categories { entries, .. } if entries.len() > 1 => right + 0.07,
-        Legend::Categories { .. } | Legend::Nothing => right,
-    };
-    [left, right, top, bottom]
 }
 
 /// Errors in the draft have no place that a user knows; those in overrides keep theirs.

@@ -213,6 +213,10 @@ fn read_with(
         let survey = ImportPlan::scan_with(&mut description, earlier, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
+        let drawn = survey.tables.iter().find_map(|table| table.particles.as_ref());
+        if let (Some(fit), Some(drawn)) = (&mut description.camera.fit, drawn) {
+            fit.leave_room_for(&drawn.look.legend);
+        }
         (description, settings, survey, notes)
     };
     check_count(survey.sphere_count(&description))?;
