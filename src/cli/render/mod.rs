@@ -17,7 +17,7 @@ use crate::job::{
 use crate::overlay::OverlaySpec;
 use crate::scene::{ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text};
 
-use crate::studio::overlay_spec;
+use crate::studio::{overlay_spec, overlay_warnings};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -150,12 +150,12 @@ fn load(request: &RenderRequest) -> Result<Loaded> {
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     let OutputSpec { overlay, dpi, .. } = &request.delivery;
+    let warnings = [file.warnings(), overlay_warnings(overlay, &file)].concat();
     let overlay = overlay_spec(overlay, &file, *dpi);
     let columns = match &request.delivery.columns[..] {
         [] => None,
         names => Some(ColumnLayers::of_scene_file(&file, names)?),
     };
-    let warnings = file.warnings();
     let (scene, settings) = file.build()?;
     Ok(Loaded { scene, settings, overlay, columns, warnings })
 }
