@@ -50,6 +50,8 @@ pub enum Legend {
         map: ColorMap,
         /// The numbers at its ends.
         range: ValueRange,
+        /// True for the lower and the upper end of the map if particles have numbers beyond it.
+        exceeded: [bool; 2],
     },
 }
 
@@ -319,7 +321,8 @@ fn of_column_or_expression(
         flaw: if range.log { "not positive" } else { NO_NUMBER },
     });
     let title = column.map_or_else(|| text.to_owned(), |column| column.name.clone());
-    let legend = Legend::Range { title, map, range };
+    let exceeded = range.exceeded_by(&values, |_| true);
+    let legend = Legend::Range { title, map, range, exceeded };
     let ends = [range.low, range.high].map(RangeEnd::Number);
     let chosen = RangeChoice { low: ends[0], high: ends[1] };
     Ok(Coloring { colors, legend, choice, range: Some(chosen), unknown })

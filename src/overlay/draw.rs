@@ -27,9 +27,9 @@ impl OverlaySpec {
         let margin = MARGIN * font.em();
         match &self.legend {
             LegendSpec::Nothing => {}
-            LegendSpec::Bar { title, map, ends: [low, high], log } => {
+            LegendSpec::Bar { title, map, ends: [low, high], log, exceeded } => {
                 let range = ValueRange { low: *low, high: *high, log: *log };
-                let bar = Bar { title, map: *map, range };
+                let bar = Bar { title, map: *map, range, exceeded: *exceeded };
                 let (thickness, tall) = (font.em().round(), (BAR_HEIGHT * height).round());
                 let left = (width - margin - bar.width(thickness, tall, &font)).round();
                 let top = (0.5 * (height - tall) + 0.4 * font.em()).round();
@@ -98,6 +98,7 @@ mod tests {
             map: ColorMap::Viridis,
             ends: [-3.0, 7.5],
             log: false,
+            exceeded: [false; 2],
         };
         let image = OverlaySpec { legend, ..spec() }.draw();
         // A column of pixels through the middle of the bar: the one with most opaque pixels.

@@ -69,11 +69,12 @@ pub fn overlay_warnings(choice: &OverlayChoice, scene: &SceneFile) -> Vec<String
 fn legend_spec(legend: &Legend, given_title: Option<&str>) -> LegendSpec {
     let title = |own: &str| given_title.unwrap_or(own).to_owned();
     match legend {
-        Legend::Range { title: own, map, range } => LegendSpec::Bar {
+        Legend::Range { title: own, map, range, exceeded } => LegendSpec::Bar {
             title: title(own),
             map: *map,
             ends: [range.low, range.high],
             log: range.log,
+            exceeded: *exceeded,
         },
         Legend::Categories { title: own, entries } if entries.len() > 1 => {
             let srgb = |color: &Rgb| color.to_array().map(srgb8_from_linear);

@@ -125,7 +125,8 @@ fn meaning(style: Style) -> &'static str {
 }
 
 fn view(text: &str) -> Result<Given<ViewDirection>, String> {
-    let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20";
+    let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20, the \
+                    first up to 360 degrees and the second from -90 to 90";
     given(text, ViewDirection::parse(text), expected)
 }
 
