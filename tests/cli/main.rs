@@ -30,6 +30,8 @@ mod mistakes_in_a_scene;
 #[cfg(unix)]
 mod overlays;
 #[cfg(unix)]
+mod particle_mistakes;
+#[cfg(unix)]
 mod particles;
 #[cfg(unix)]
 mod pictures;

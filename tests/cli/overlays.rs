@@ -3,6 +3,8 @@
 use std::fmt::Write;
 use std::fs;
 
+use photosphere::image_io::read_raw_channels;
+
 use crate::desk::Desk;
 
 /// A desk with twelve beads of growing mass in `beads.csv`.
@@ -88,4 +90,64 @@ fn bits_that_show_nothing_are_told() {
     assert!(done.stderr.starts_with(told), "{}", done.stderr);
     let done = desk.run("convert b.png -o c.png --bits 16").succeeds();
     assert_eq!(done.stderr, "");
+}
+
+#[test]
+fn a_title_without_a_legend_is_told() {
+    let desk = beads();
+    let render = format!("render beads.csv -o a.png {SMALL} --quiet --title kg");
+    let told = desk.run(&render).succeeds().stderr;
+    assert!(told.starts_with("warning: the title is drawn nowhere"), "{told}");
+    assert_eq!(desk.run(&format!("{render} --color mass")).succeeds().stderr, "");
+    desk.run("import beads.csv -o scene.toml --color mass").succeeds();
+    desk.run(&format!("render scene.toml -o b.png {SMALL} --quiet --title kg")).succeeds();
+    let bar = "colour bar `kg` (viridis from 0 to 11)";
+    assert_eq!(desk.run("info b.png").row("overlay"), bar);
+    for option in ["--title kg", "--no-legend", "--scale-bar"] {
+        let parts = ["is no part of its scene: give '--", "to photosphere render"];
+        desk.run(&format!("import beads.csv -o scene.toml {option}")).fails(2, &parts);
+    }
+}
+
+#[test]
+fn numbers_beyond_the_bar_are_recorded() {
+    let desk = beads();
+    let render = format!("render beads.csv -o a.png --color mass {SMALL} --quiet");
+    for (range, beyond) in [
+        ("2,20", ", numbers beyond the lower end"),
+        ("-3,9", ", numbers beyond the upper end"),
+        ("p0,p100", ""),
+    ] {
+        desk.run(&format!("{render} --range={range}")).succeeds();
+        let told = desk.run("info a.png");
+        assert!(told.row("overlay").ends_with(&format!("{beyond})")), "{}", told.stdout);
+        assert_eq!(told.row("overlay").contains("beyond"), !beyond.is_empty());
+    }
+}
+
+/// A fitted camera leaves room at the right: where the bar and its texts are, no particle is.
+#[test]
+fn a_fitted_camera_keeps_clear_of_the_bar() {
+    let desk = beads();
+    let scene = "format = 1\n[image]\nwidth = 120\nheight = 60\n[camera]\nfit = true\n\
+                 direction = \"z\"\n[background]\nradiance = [1, 1, 1]\ntransparent = true\n\
+                 [materials.m]\ntype = \"diffuse\"\nalbedo = [0.5, 0.5, 0.5]\n\
+                 [[particles]]\nfile = \"wide.csv\"\ncolor = \"mass\"\nmaterial = \"m\"\n";
+    let rows = (0..20).map(|i| format!("{i},{},0,0.5,{i}\n", i % 3));
+    let wide = "x,y,z,radius,mass\n".to_owned() + &rows.collect::<String>();
+    fs::write(desk.path().join("wide.csv"), wide).expect("the beads are written");
+    fs::write(desk.path().join("scene.toml"), scene).expect("the scene is written");
+    let covered = |options: &str| {
+        let layers = "--layers direct,alpha --spp 4 --accel native --quiet";
+        desk.run(&format!("render scene.toml -o a.exr {layers} {options}")).succeeds();
+        let raw = read_raw_channels(&desk.path().join("a.exr")).expect("a picture");
+        let values = |name: &str| {
+            let channel = raw.iter().find(|channel| channel.name == name).expect("a channel");
+            channel.bits.iter().map(|bits| f32::from_bits(*bits)).collect::<Vec<_>>()
+        };
+        let (over, particles) = (values("overlay.A"), values("A"));
+        over.iter().zip(&particles).filter(|(over, under)| **over > 0.0 && **under > 0.0).count()
+    };
+    assert_eq!(covered(""), 0);
+    assert!(covered("--set camera.right_margin=0.05") > 0, "without room it would cover some");
 }

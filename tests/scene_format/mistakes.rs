@@ -125,7 +125,8 @@ fn a_scene_without_its_parts_says_which() {
     let expected = [
         "1:1: `format` is missing | add `format = 1` as the first line",
         "1:11: `spheres` must be a list of tables, not an integer | write `[[spheres]]` above each",
-        "1:12: `[camera]` is missing",
+        "1:12: `[camera]` is missing | add `[camera]` with `fit = true`, which shows all that the scene \
+         has, or with position and look_at",
     ];
     assert_told("spheres = 3", &[], &expected);
     let bare = SCENE.split("[[spheres]]").next().expect("what stands before the spheres");
