@@ -79,9 +79,9 @@ pub(super) fn refuse_unused(layer: &SourceLayer, options: &ConvertOptions) -> Re
     match kind {
         LayerKind::Light if colors.map.is_none() && has_range => {
             let message =
-                format!("`--range` and `--log` are for numbers, but the layer `{name}` is light");
+                format!("a range and a logarithm are for numbers, but the layer `{name}` is light");
             Err(Error::input(message)
-                .with_help("show its luminance by a colour map: --colormap viridis"))
+                .with_help("choose a colour map, which shows its luminance, such as viridis"))
         }
         LayerKind::Id | LayerKind::Vector => {
             let choice = &options.overlay;

@@ -176,7 +176,8 @@ fn refuse_ground_keys(has_ground: bool, overrides: &[Override]) -> Result<()> {
         return Ok(());
     };
     let message = format!("there is no ground, whose key `{}` is set", given.key);
-    Err(Error::input(message).with_help("lay one: --ground true; it is left out from below"))
+    Err(Error::input(message)
+        .with_help("ask for a ground, which is there unless the camera would be below it"))
 }
 
 /// The samples per pixel that an override asks for, or the usual number.

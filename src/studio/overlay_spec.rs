@@ -53,7 +53,7 @@ pub fn overlay_warnings(choice: &OverlayChoice, scene: &SceneFile) -> Vec<String
     if choice.title.is_some() && !has_legend {
         warnings.push(
             "the title is drawn nowhere: there is no colour bar or legend, because no numbers or \
-             kinds of particles are coloured (--color COLUMN colours by a column)"
+             kinds of particles are coloured: `color` names a column"
                 .to_owned(),
         );
     }

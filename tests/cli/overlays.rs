@@ -73,7 +73,7 @@ fn options_of_false_colours_are_not_ignored() {
         desk.run(&format!("convert a.exr -o no.png {options}")).fails(3, &[part]);
     };
     for range in ["--range 0,1", "--log"] {
-        fails(range, "`--range` and `--log` are for numbers, but the layer `beauty` is light");
+        fails(range, "a range and a logarithm are for numbers, but the layer `beauty` is light");
     }
     fails("--layer direct --title kg", "nothing is drawn over");
     for options in ["--colormap magma", "--range 0,1", "--title kg", "--font-size 9"] {

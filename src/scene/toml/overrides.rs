@@ -297,11 +297,12 @@ fn known<'n>(names: impl Iterator<Item = &'n str>, count: usize) -> Option<Strin
     if names.len() > MOST {
         names[MOST] = "...".to_owned();
     }
-    match (names.is_empty(), count) {
-        (false, _) => Some(format!("named are {}", names.join(", "))),
-        (true, 0) => None,
-        (true, count) => Some(format!("none has a name: count them, from 0 to {}", count - 1)),
-    }
+    let last = count.checked_sub(1)?;
+    let numbers = format!("each has a number, from 0 to {last}");
+    Some(match names.is_empty() {
+        true => numbers,
+        false => format!("named are {}; {numbers}", names.join(", ")),
+    })
 }
 
 /// Removes those of the keys that the file has; returns them.
