@@ -158,7 +158,7 @@ impl Report<'_> {
 /// Says that a time was too short for the least number of samples, `least` of each pixel.
 fn overrun(limit: Duration, taken_s: f64, least: u32) -> Option<String> {
     // Of more samples, the last may have begun when the time was not yet up.
-    let is_over = least <= BLOCK_SIZE as u32 && taken_s > 1.1 * limit.as_secs_f64() + 0.5;
+    let is_over = least <= BLOCK_SIZE && taken_s > 1.1 * limit.as_secs_f64() + 0.5;
     is_over.then(|| {
         let limit = format_time_range(&(limit..limit));
         format!(
