@@ -88,7 +88,7 @@ fn a_ground_is_laid_or_its_absence_told() {
         let scene = String::from_utf8(desk.read("scene.toml")).expect("text");
         assert!(!scene.contains("[[spheres]]"), "{scene}");
         let parts =
-            ["there is no ground, whose key `spheres.ground.radius` is set", "--ground true"];
+            ["there is no ground, whose key `spheres.ground.radius` is set", "ask for a ground"];
         let set = format!("render a.csv {RENDER} {no} --set spheres.ground.radius=3");
         desk.run(&set).fails(3, &parts);
     }
