@@ -11,6 +11,7 @@ use crate::particles::{Column, ColumnData, Particles, Role};
 use crate::task::pages::collect;
 
 use super::color_map::ColorMap;
+use super::doubts::Missing;
 use super::element::Element;
 use super::elements::particle_elements;
 use super::expression::Expression;
@@ -52,11 +53,27 @@ pub enum Legend {
         map: ColorMap,
         /// The numbers at its ends.
         range: ValueRange,
+        /// True for the lower and the upper end of the map if particles have numbers beyond it.
+        exceeded: [bool; 2],
     },
+}
+
+impl Legend {
+    /// The share of a picture's width that it takes at the right; 0 if nothing is drawn.
+    pub fn room(&self) -> f64 {
+        match self {
+            Self::Range { .. } => 0.12,
+            Self::Categories { entries, .. } if entries.len() > 1 => 0.07,
+            Self::Categories { .. } | Self::Nothing => 0.0,
+        }
+    }
 }
 
 /// The colour of numbers that are no numbers, and of atoms without a known element.
 const UNKNOWN: [f32; 3] = [0.3, 0.3, 0.3];
+
+/// What is wrong with a value that is missing.
+const NO_NUMBER: &str = "no number";
 
 /// The colour of particles of which nothing is known: sRGB (111, 155, 196).
 const PLAIN: &str = "#6f9bc4";
@@ -71,6 +88,16 @@ pub(super) struct Coloring {
     pub(super) choice: ColorChoice,
     /// The range, if numbers are mapped.
     pub(super) range: Option<RangeChoice>,
+    /// The particles whose colour is not known.
+    pub(super) unknown: Option<UnknownColors>,
+}
+
+/// Particles whose colour is not known.
+pub(super) struct UnknownColors {
+    pub(super) missing: Missing,
+    /// What their colour depends on, and what is wrong with it.
+    pub(super) what: String,
+    pub(super) flaw: &'static str,
 }
 
 /// The colours that the options choose.
@@ -82,10 +109,14 @@ pub(super) fn colors(
     options: &Appearance,
 ) -> Result<Coloring, AppearanceError> {
     let choice = resolve(particles, &options.color);
-    let plain =
-        |colors, legend| Ok(Coloring { colors, legend, choice: choice.clone(), range: None });
+    let plain = |colors, legend| {
+        Ok(Coloring { colors, legend, choice: choice.clone(), range: None, unknown: None })
+    };
     match &choice {
-        ColorChoice::Rgb => plain(of_file(particles)?, Legend::Nothing),
+        ColorChoice::Rgb => {
+            let (colors, unknown) = of_file(particles)?;
+            Ok(Coloring { unknown, ..plain(colors, Legend::Nothing)? })
+        }
         ColorChoice::Position => plain(of_position(particles), Legend::Nothing),
         ColorChoice::Element => {
             let (colors, legend) = of_elements(particles)?;
@@ -143,7 +174,7 @@ fn missing(particles: &Particles, what: &str) -> AppearanceError {
         .with_help("use auto, a column or the name of a colour".to_owned())
 }
 
-fn of_file(particles: &Particles) -> Result<Colors, AppearanceError> {
+fn of_file(particles: &Particles) -> Result<(Colors, Option<UnknownColors>), AppearanceError> {
     let columns: Vec<&Column> = [Role::Red, Role::Green, Role::Blue]
         .into_iter()
         .filter_map(|role| particles.role(role))
@@ -160,8 +191,16 @@ fn of_file(particles: &Particles) -> Result<Colors, AppearanceError> {
         let value = (column.number(row) / white).clamp(0.0, 1.0);
         linear_from_srgb(value as f32)
     };
-    let color = |row| [red, green, blue].map(|column| linear(column, row));
-    Ok(Colors::Each(collect((0..particles.len()).into_par_iter().map(color))))
+    let is_unknown =
+        |row: usize| [red, green, blue].iter().any(|column| column.number(row).is_nan());
+    let color = |row: usize| match is_unknown(row) {
+        true => UNKNOWN,
+        false => [red, green, blue].map(|column| linear(column, row)),
+    };
+    let missing = Missing::find(particles.len(), is_unknown);
+    let what = || [red, green, blue].map(|column| format!("`{}`", column.name)).join(" or ");
+    let unknown = missing.map(|missing| UnknownColors { missing, what: what(), flaw: NO_NUMBER });
+    Ok((Colors::Each(collect((0..particles.len()).into_par_iter().map(color))), unknown))
 }
 
 /// Red, green and blue grow along x, y and z. The longest side of the bounding box sets the scale,
@@ -255,7 +294,7 @@ fn of_column_or_expression(
     let choice = ColorChoice::Named(text.to_owned());
     if let Some(column) = column.filter(|column| is_categorical(column)) {
         let (colors, legend) = of_categories(column, particles.len());
-        return Ok(Coloring { colors, legend, choice, range: None });
+        return Ok(Coloring { colors, legend, choice, range: None, unknown: None });
     }
     let values = expression.values(&ParticleColumns(particles), particles.len());
     let values = values.map_err(|error| {
@@ -281,11 +320,18 @@ fn of_column_or_expression(
         }
     };
     let colors = Colors::Each(collect(values.par_iter().map(color)));
+    let is_unknown = |row: usize| range.position(values[row]).is_nan();
+    let unknown = Missing::find(values.len(), is_unknown).map(|missing| UnknownColors {
+        missing,
+        what: format!("`{}`", column.map_or(text, |column| &*column.name)),
+        flaw: if range.log { "not positive" } else { NO_NUMBER },
+    });
     let title = column.map_or_else(|| text.to_owned(), |column| column.name.clone());
-    let legend = Legend::Range { title, map, range };
+    let exceeded = range.exceeded_by(&values, |_| true);
+    let legend = Legend::Range { title, map, range, exceeded };
     let ends = [range.low, range.high].map(RangeEnd::Number);
     let chosen = RangeChoice { low: ends[0], high: ends[1] };
-    Ok(Coloring { colors, legend, choice, range: Some(chosen) })
+    Ok(Coloring { colors, legend, choice, range: Some(chosen), unknown })
 }
 
 /// Colours that numbers are rounded to; a step is less than a tenth of what the eye can tell.

@@ -3,16 +3,17 @@
 use crate::particles::{Cell, Particles};
 
 use super::arrange::{copies, move_particles};
-use super::colors::{Colors, colors};
+use super::colors::{Coloring, Colors, UnknownColors, colors};
+use super::doubts::Places;
 use super::dressed::Dressed;
+use super::elements::particle_elements;
 use super::expression::Expression;
 use super::failure::AppearanceError;
 use super::keep_rows::{keep_rows, retain};
 use super::more_spheres::{draw_cell, repeat};
-use super::options::Appearance;
+use super::options::{Appearance, ColorChoice, RadiusChoice};
 use super::particle_columns::ParticleColumns;
 use super::radii::{Radii, radii};
-use super::unknown_elements;
 use super::value_range::{RangeChoice, RangeEnd};
 
 /// Gives particles radii and colours.
@@ -32,8 +33,7 @@ pub fn dress(mut particles: Particles, options: &Appearance) -> Result<Dressed, 
     }
     let (mut radii, radius) = radii(&particles, options)?;
     let mut coloring = colors(&particles, options)?;
-    let unknown = unknown_elements::note(&particles, rows.as_deref(), &radius, &coloring.choice);
-    particles.notes.extend(unknown);
+    let warnings = warnings(&particles, rows.as_deref(), &radius, &coloring);
     let mut hidden = Vec::new();
     if let Some(text) = &options.slice {
         let cut = condition(&particles, "slice", text)?;
@@ -87,12 +87,34 @@ pub fn dress(mut particles: Particles, options: &Appearance) -> Result<Dressed, 
         choices,
         unit: particles.unit.map(|unit| unit.symbol()),
         notes: particles.notes,
+        warnings,
+        first_line: particles.first_line,
     };
     repeat(&mut dressed, &shifts);
     if options.cell {
         draw_cell(&mut dressed, &path)?;
     }
     Ok(dressed)
+}
+
+/// Tells of values that are missing. `rows` are those of the particles in the file.
+fn warnings(
+    particles: &Particles,
+    rows: Option<&[u32]>,
+    radius: &RadiusChoice,
+    coloring: &Coloring,
+) -> Vec<String> {
+    let (path, count) = (&*particles.path, particles.len());
+    let places = Places { path, first_line: particles.first_line, rows, count };
+    let is_colored = coloring.choice == ColorChoice::Element;
+    let is_sized = matches!(radius, RadiusChoice::Vdw | RadiusChoice::Covalent);
+    let elements = (is_colored || is_sized).then(|| particle_elements(particles)).flatten();
+    let of_elements = elements
+        .and_then(|found| places.unknown_elements(particles, &found, [is_colored, is_sized]));
+    let of_colors = coloring.unknown.as_ref().map(|UnknownColors { missing, what, flaw }| {
+        places.missing(*missing, what, flaw, "drawn in grey")
+    });
+    of_elements.into_iter().chain(of_colors).collect()
 }
 
 /// A range as an option.

@@ -33,6 +33,11 @@ pub struct Dressed {
     pub unit: Option<&'static str>,
     /// What the user should know.
     pub notes: Vec<String>,
+    /// What is probably a mistake in the file: values that colours or radii need are missing.
+    pub warnings: Vec<String>,
+    /// Line of the first particle of the file, the first line being 1, if the particles are on
+    /// consecutive lines.
+    pub first_line: Option<u64>,
 }
 
 impl Dressed {

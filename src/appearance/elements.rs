@@ -20,20 +20,20 @@ enum Codes<'a> {
 }
 
 impl ParticleElements<'_> {
+    /// What the file calls a particle's element.
+    pub(super) fn label(&self, row: usize) -> String {
+        match &self.codes {
+            Codes::Words(words) => words.word(row).to_owned(),
+            Codes::Numbers(column) => column.data.show(row),
+        }
+    }
+
     /// Index of a particle's kind.
     #[inline]
     pub(super) fn kind(&self, row: usize) -> usize {
         match &self.codes {
             Codes::Words(words) => words.codes[row] as usize,
             Codes::Numbers(column) => number_kind(column.number(row)),
-        }
-    }
-
-    /// The label of a particle, as in its file.
-    pub(super) fn label(&self, row: usize) -> String {
-        match &self.codes {
-            Codes::Words(words) => words.word(row).to_owned(),
-            Codes::Numbers(column) => column.data.show(row),
         }
     }
 }

@@ -6,6 +6,7 @@ mod arrange;
 mod cell_edges;
 mod color_map;
 mod colors;
+mod doubts;
 mod dress;
 mod dressed;
 mod element;
@@ -24,7 +25,6 @@ mod questions;
 mod radii;
 mod spacing;
 mod ticks;
-mod unknown_elements;
 mod value_range;
 
 pub use self::colors::{Colors, Legend};

@@ -112,6 +112,13 @@ impl ValueRange {
         (scale(value) - low) / (high - low)
     }
 
+    /// Which ends some of the values are beyond: the lower and the upper end of the map.
+    pub fn exceeded_by(&self, values: &[f64], counts: impl Fn(f64) -> bool + Sync) -> [bool; 2] {
+        let positions =
+            || values.par_iter().filter(|value| counts(**value)).map(|value| self.position(*value));
+        [positions().any(|position| position < 0.0), positions().any(|position| position > 1.0)]
+    }
+
     /// The number at a position: the inverse of [`Self::position`].
     pub fn value(&self, position: f64) -> f64 {
         match self.log {
@@ -159,6 +166,18 @@ mod tests {
         assert!((range.value(0.5) - 1.0).abs() < 1e-12);
         assert!(range.position(-1.0).is_nan());
         assert_eq!(RangeChoice::parse("0,1").unwrap().resolve(&[1.0], true), None);
+    }
+
+    #[test]
+    fn values_beyond_the_ends_are_found() {
+        let range = ValueRange { low: 10.0, high: 0.0, log: false };
+        let all = |_| true;
+        assert_eq!(range.exceeded_by(&[0.0, 5.0, 10.0, f64::NAN], all), [false, false]);
+        assert_eq!(range.exceeded_by(&[-1.0, 5.0], all), [false, true]);
+        assert_eq!(range.exceeded_by(&[11.0, -f64::INFINITY], f64::is_finite), [true, false]);
+        let log = ValueRange { low: 0.1, high: 10.0, log: true };
+        assert_eq!(log.exceeded_by(&[0.1, 10.0], all), [false, false]);
+        assert_eq!(log.exceeded_by(&[0.01, 10.1], all), [true, true]);
     }
 
     #[test]

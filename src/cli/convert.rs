@@ -25,6 +25,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<Exit> {
     on_threads(None, || {
         let converted = convert(&args.input, to, &options)?;
         warn_of_record(&args.input, &converted);
+        warn_of_steps(&args.input, &converted);
         target.write_with(&converted.picture, &converted.options)?;
         if !args.quiet && !converted.done.is_empty() {
             print::note(format_args!("{}: {}", args.output.display(), converted.done.join(", ")));
@@ -38,6 +39,16 @@ pub(super) fn warn_of_record(input: &Path, converted: &Converted) {
     if !converted.is_record_understood {
         print::warning(format_args!(
             "another version of photosphere wrote how `{}` was made; the new file does not say it",
+            input.display()
+        ));
+    }
+}
+
+/// Warns if the new file has finer steps than the old one.
+pub(super) fn warn_of_steps(input: &Path, converted: &Converted) {
+    if converted.is_finer_than_source {
+        print::warning(format_args!(
+            "`{}` has 8 bits: 16 show the same 256 steps; for finer ones, convert the .exr file",
             input.display()
         ));
     }

@@ -30,6 +30,7 @@ pub(super) fn run(args: &ImportArgs) -> Result<Exit> {
     let import =
         on_threads(args.options.threads(), || file.import_from(&reference, &folder, &options))?;
     particle_file::tell(&import);
+    import.scene.warnings().iter().for_each(print::warning);
     if is_stdout(&args.output) {
         print::result(&import.text)?;
         return Ok(Exit::Done);

@@ -19,6 +19,7 @@ use super::{memory, particle_info, print, scene_file};
 /// If the scene or picture cannot be read, or the scene has mistakes.
 pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     if is_picture(&args.scene.path) {
+        refuse_columns(args, "a picture")?;
         if let Some(option) = args.scene.overrides().first() {
             let message = format!(
                 "`{}` changes scenes, but `{}` is a picture",
@@ -36,9 +37,13 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     }
     let path = &args.scene.path;
     if ParticleFile::is_one(path, &args.scene.overrides()) {
-        particle_info::run(path, &ReadRequest::default(), args.json)?;
+        let request = ReadRequest::default();
+        on_threads(args.scene.threads(), || {
+            particle_info::run(path, &request, args.columns, args.json)
+        })?;
         return Ok(Exit::Done);
     }
+    refuse_columns(args, "a scene")?;
     on_threads(args.scene.threads(), || {
         let file = scene_file::read(&args.scene.path, &args.scene.overrides())?;
         let plan = memory::json(&file);
@@ -58,4 +63,16 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         }
         Ok(Exit::Done)
     })
+}
+
+/// Refuses the option for particle files.
+fn refuse_columns(args: &InfoArgs, what: &str) -> Result<()> {
+    let path = args.scene.path.display();
+    match args.columns {
+        false => Ok(()),
+        true => {
+            Err(Error::input(format!("`--columns` reads particle files, but `{path}` is {what}"))
+                .with_help("leave it out"))
+        }
+    }
 }

@@ -178,7 +178,7 @@ impl KeywordRender {
                 return Ok(made_of_particles(import));
             }
         };
-        Ok(OpenedScene { file, text: None, notes: Vec::new(), choices: Vec::new() })
+        Ok(OpenedScene { notes: file.warnings(), file, text: None, choices: Vec::new() })
     }
 
     /// Returns true if the file holds particles rather than a scene.
@@ -247,7 +247,8 @@ impl KeywordRender {
 
 impl From<Import> for OpenedScene {
     fn from(import: Import) -> Self {
-        let Import { text, scene, choices, notes } = import;
+        let Import { text, scene, choices, mut notes } = import;
+        notes.extend(scene.warnings());
         Self { file: scene, text: Some(text), notes, choices }
     }
 }

@@ -16,6 +16,7 @@ mod doctor;
 mod error;
 mod excerpt;
 mod exit;
+mod file_columns;
 mod generate;
 mod import;
 mod info;

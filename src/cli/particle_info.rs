@@ -8,26 +8,40 @@ use crate::accel::BackendChoice;
 use crate::error::Result;
 use crate::film::Aov;
 use crate::job::{Job, MemoryPlan};
-use crate::particles::{Cell, ColumnInfo, ColumnKind, ReadRequest, Role, Survey, survey};
+use crate::particles::{Cell, ColumnInfo, ColumnKind, ReadRequest, Role, Survey, read, survey};
 use crate::scene::SceneSize;
 use crate::scene::description::ColorStorage;
 
+use super::file_columns::FileColumns;
 use super::print;
 
-/// Prints what is in a particle file, without reading what its format lets us skip.
+/// Prints what is in a particle file, without reading what its format lets us skip; or, if
+/// `reads_columns` is true, after all rows of the first frame have been read.
 ///
 /// # Errors
 /// If the file cannot be read.
-pub(super) fn run(path: &Path, request: &ReadRequest, as_json: bool) -> Result<()> {
-    let survey = survey(path, request)?;
+pub(super) fn run(
+    path: &Path,
+    request: &ReadRequest,
+    reads_columns: bool,
+    as_json: bool,
+) -> Result<()> {
+    let mut survey = survey(path, request)?;
+    let columns = match reads_columns {
+        true => Some(FileColumns::read(&mut survey, &read(path, request)?)),
+        false => None,
+    };
     let memory = survey.count.map(|count| planned_memory(count, has_f32_spheres(&survey)));
     if as_json {
         let mut value = serde_json::to_value(&survey).unwrap_or(Value::Null);
         value["format"] = json!(survey.format.name());
         value["memory_bytes"] = json!(memory);
+        if let Some(columns) = columns {
+            columns.add_to(&mut value);
+        }
         return print::json(&value);
     }
-    print::result(&text(&survey, memory))
+    print::result(&text(&survey, memory, columns.as_ref()))
 }
 
 /// Returns true if positions and radii are f32 with the usual options. An automatic radius is f64,
@@ -54,7 +68,7 @@ fn planned_memory(count: u64, is_f32: bool) -> u64 {
     MemoryPlan::with_backends(&size, &job, &[backend]).peak()
 }
 
-fn text(survey: &Survey, memory: Option<u64>) -> String {
+fn text(survey: &Survey, memory: Option<u64>, columns: Option<&FileColumns>) -> String {
     let unknown = || "unknown until it is read".to_owned();
     let mut text = print::field("file", survey.path.display());
     let compression = survey.compression.map_or(String::new(), |kind| format!(", {kind}"));
@@ -73,8 +87,16 @@ fn text(survey: &Survey, memory: Option<u64>) -> String {
             text += &print::field(name, value);
         }
     }
+    if let Some(columns) = columns {
+        let [low, high] = columns.positions.map(|v| format!("({} {} {})", v.x, v.y, v.z));
+        text += &print::field("positions", format!("from {low} to {high}"));
+    }
     for (index, info) in survey.columns.iter().enumerate() {
-        text += &print::field(if index == 0 { "columns" } else { "" }, column(info));
+        let more = columns.map_or(String::new(), |columns| columns.more(index));
+        text += &print::field(if index == 0 { "columns" } else { "" }, column(info) + &more);
+    }
+    if columns.is_some() {
+        text += &print::field("", "(of all rows of the first frame)");
     }
     text
 }

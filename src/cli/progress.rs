@@ -10,11 +10,17 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::task;
 
 use crate::job::eta::{self, Eta};
-use crate::job::{self, Observer};
+use crate::job::{self, FirstEstimate, Observer};
 
 use super::print;
 
+/// The time between two lines at first. It grows with the time that has passed, so that the log of
+/// a night stays short.
 const BETWEEN_LINES: Duration = Duration::from_secs(3);
+/// The part of the time that has passed after which another line is printed.
+const PART_BETWEEN_LINES: u32 = 8;
+/// The longest time between two lines.
+const MOST_BETWEEN_LINES: Duration = Duration::from_secs(600);
 const BAR: &str = "{bar:10} {percent:>3} %  {msg}";
 
 /// The state to display.
@@ -31,6 +37,8 @@ pub(super) struct ProgressState {
     pub(super) worst_error: Option<f64>,
     /// Tiles that have reached the noise target, and all tiles.
     pub(super) tiles: Option<[usize; 2]>,
+    /// How far it is to the first estimate of the noise.
+    pub(super) to_first_estimate: Option<FirstEstimate>,
     /// The estimated time left, as text.
     pub(super) left: Option<String>,
 }
@@ -58,8 +66,33 @@ impl ProgressState {
             error: progress.error,
             worst_error: progress.worst_error,
             tiles: progress.tiles_converged,
+            to_first_estimate: progress.to_first_estimate,
             left: progress.time_left.as_ref().map(eta::format_time_range),
         }
+    }
+}
+
+/// When lines are printed.
+pub(super) struct LineClock {
+    began: Instant,
+    last: Instant,
+    between: Duration,
+}
+
+impl LineClock {
+    fn new(between: Duration) -> Mutex<Self> {
+        let now = Instant::now();
+        Mutex::new(Self { began: now, last: now, between })
+    }
+
+    /// Returns true if another line is due.
+    fn is_time_for_a_line(&mut self, now: Instant) -> bool {
+        let pause = ((now - self.began) / PART_BETWEEN_LINES).min(MOST_BETWEEN_LINES);
+        let is_due = now - self.last >= pause.max(self.between);
+        if is_due {
+            self.last = now;
+        }
+        is_due
     }
 }
 
@@ -68,10 +101,7 @@ pub(super) enum ProgressDisplay {
     Quiet,
     Bar(ProgressBar),
     /// Without a terminal: a line from time to time.
-    Lines {
-        last: Mutex<Instant>,
-        between: Duration,
-    },
+    Lines(Mutex<LineClock>),
 }
 
 impl ProgressDisplay {
@@ -91,7 +121,7 @@ impl ProgressDisplay {
             bar.enable_steady_tick(Duration::from_millis(200));
             Self::Bar(bar)
         } else {
-            Self::Lines { last: Mutex::new(Instant::now()), between }
+            Self::Lines(LineClock::new(between))
         }
     }
 
@@ -119,11 +149,10 @@ impl ProgressDisplay {
                 bar.set_message(beside());
                 bar.set_position(done.max((shown * all as f64) as u64).min(all));
             }
-            Self::Lines { last, between } => {
+            Self::Lines(clock) => {
                 // If the lock is taken, another thread is printing a line.
-                let Ok(mut last) = last.try_lock() else { return };
-                if last.elapsed() >= *between {
-                    *last = Instant::now();
+                let Ok(mut clock) = clock.try_lock() else { return };
+                if clock.is_time_for_a_line(Instant::now()) {
                     print::note(line());
                 }
             }
@@ -167,7 +196,7 @@ pub(super) fn build_progress(quiet: bool) -> task::ProgressCallback {
     if quiet {
         return task::ProgressCallback::default();
     }
-    let lines = ProgressDisplay::Lines { last: Mutex::new(Instant::now()), between: BETWEEN_LINES };
+    let lines = ProgressDisplay::Lines(LineClock::new(BETWEEN_LINES));
     task::ProgressCallback::new(move |done| {
         let line = || format!("{:.0} % of the intersector built", 100.0 * done);
         if done < 1.0 {
@@ -177,9 +206,27 @@ pub(super) fn build_progress(quiet: bool) -> task::ProgressCallback {
 }
 
 fn line(state: &ProgressState) -> String {
+    if state.to_first_estimate.is_some() {
+        return details(state);
+    }
     let share = state.samples_done as f64 / state.samples_total.max(1) as f64;
     let total = print::si(state.samples_total as f64);
     format!("{:.0} % of {total}samples, {}", 100.0 * share.min(1.0), details(state))
+}
+
+/// Tells how far it is to the first estimate; the time left where a limit sets it.
+fn to_first_estimate(way: &FirstEstimate, left: Option<&str>) -> String {
+    let FirstEstimate { samples, needed, time_per_sample, time_left } = way;
+    let time = |time: Duration| eta::format_time_range(&(time..time));
+    let each = match time_per_sample.as_secs_f64() {
+        seconds if seconds < 0.95 => format!("{:.0} ms", 1e3 * seconds),
+        _ => time(*time_per_sample),
+    };
+    let then = match left {
+        Some(left) => format!("{left} left"),
+        None => format!("estimate in {}", time(*time_left)),
+    };
+    format!("{samples:.1} of {needed} samples per pixel, {each} each, {then}")
 }
 
 /// Two digits suffice for what changes while one reads it.
@@ -190,6 +237,9 @@ fn short_percent(fraction: f64) -> String {
 
 /// Formats everything but the fraction done, in at most 62 columns: with the bar, 80.
 fn details(state: &ProgressState) -> String {
+    if let Some(way) = &state.to_first_estimate {
+        return to_first_estimate(way, state.left.as_deref());
+    }
     // With a noise target, what is left to do says more than the rate.
     let rate = state.tiles.is_none().then(|| format!("{}samples/s", print::si(state.rate)));
     let error = state.error.map(|error| format!("error {}", short_percent(error)));
@@ -248,6 +298,48 @@ mod tests {
             display.show(&state);
             assert_eq!(bar.position() as f64 / bar.length().unwrap() as f64, shown);
         }
+    }
+
+    #[test]
+    fn before_the_first_estimate_the_way_there_is_told() {
+        let way = FirstEstimate {
+            samples: 12.3,
+            needed: 64,
+            time_per_sample: Duration::from_millis(850),
+            time_left: Duration::from_secs(44),
+        };
+        let state = ProgressState {
+            tiles: Some([0, 12_000]),
+            to_first_estimate: Some(way),
+            ..ProgressState::default()
+        };
+        let expected = "12.3 of 64 samples per pixel, 850 ms each, estimate in 44 s";
+        assert_eq!((details(&state), line(&state)), (expected.to_owned(), expected.to_owned()));
+        let limited = ProgressState { left: Some("10 s".to_owned()), ..state.clone() };
+        assert!(details(&limited).ends_with(" 850 ms each, 10 s left"), "{}", details(&limited));
+        let slow = FirstEstimate {
+            time_per_sample: Duration::from_secs(300),
+            time_left: Duration::from_secs(19_000),
+            ..way
+        };
+        let state = ProgressState { to_first_estimate: Some(slow), ..state };
+        assert!(details(&state).ends_with("5 min each, estimate in 5.3 h"), "{}", details(&state));
+        assert!(details(&state).len() <= 62, "{}", details(&state));
+    }
+
+    /// A night of ten hours, looked at ten times per second.
+    #[test]
+    fn lines_become_rarer() {
+        let clock = LineClock::new(BETWEEN_LINES);
+        let mut clock = clock.into_inner().unwrap();
+        let begin = clock.began;
+        let at = |tenths: u64| begin + Duration::from_millis(100 * tenths);
+        let lines: Vec<u64> =
+            (0..360_000).filter(|tenths| clock.is_time_for_a_line(at(*tenths))).collect();
+        assert_eq!(lines[..3], [30, 60, 90]);
+        assert!((60..130).contains(&lines.len()), "{}", lines.len());
+        let longest = lines.windows(2).map(|two| two[1] - two[0]).max().unwrap();
+        assert_eq!(longest, 6000);
     }
 
     #[test]

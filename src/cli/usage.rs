@@ -3,12 +3,14 @@
 
 use std::ffi::OsString;
 
+use clap::Args;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use serde_json::json;
 
 use crate::draw::printable::printable;
 
+use super::args::OverlayArgs;
 use super::exit::Exit;
 use super::{error, print, system};
 
@@ -43,10 +45,34 @@ pub(super) fn answer(mut answer: clap::Error) -> Exit {
     Exit::Usage
 }
 
+/// Says where an option belongs that draws over a picture, for the command that writes a scene;
+/// returns true if that is what was wrong.
+fn advise_of_overlay(answer: &mut clap::Error, words: &[String]) -> bool {
+    let is_import = words.iter().any(|word| word == "import");
+    let Some(ContextValue::String(given)) = answer.get(ContextKind::InvalidArg) else {
+        return false;
+    };
+    let overlay = OverlayArgs::augment_args(clap::Command::new("overlay"));
+    let is_it = |arg: &clap::Arg| arg.get_long() == given.strip_prefix("--");
+    if !is_import || !overlay.get_arguments().any(is_it) {
+        return false;
+    }
+    let advice = StyledStr::from(format!(
+        "what is drawn over a picture is no part of its scene: give '{given}' to photosphere render"
+    ));
+    answer.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![advice]));
+    // It names another option.
+    answer.remove(ContextKind::SuggestedArg);
+    true
+}
+
 /// Replaces clap's advice for an argument that starts with a dash. It suggests `-- -a.png`, which
 /// an option cannot take; a path that starts with its folder can be given anywhere.
 pub(super) fn advise(answer: &mut clap::Error, words: &[String]) {
     let is_unknown = answer.kind() == ErrorKind::UnknownArgument;
+    if is_unknown && advise_of_overlay(answer, words) {
+        return;
+    }
     if !is_unknown || answer.get(ContextKind::Suggested).is_none() {
         return;
     }

@@ -48,6 +48,7 @@ pub(super) fn numbers(
         map,
         ends,
         log: range.log,
+        exceeded: range.exceeded_by(values, |value| is_shown(&value)),
     };
     let overlay = options.overlay.legend.then(|| OverlaySpec {
         size: [width as u32, height as u32],

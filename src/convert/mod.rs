@@ -8,6 +8,7 @@
 mod crop;
 mod denoised;
 mod false_color;
+mod legend;
 mod options;
 mod picture;
 mod record;

@@ -7,13 +7,14 @@ use crate::color::{Rgb, ViewTransform};
 use crate::denoise::DENOISED;
 use crate::error::{Error, Result};
 use crate::image_io::{
-    BEAUTY, ChannelValues, CropWindow, FileFormat, ImageChannel, OverlayImage, Picture,
+    BEAUTY, ChannelValues, CropWindow, FileFormat, ImageChannel, OverlayImage, Picture, PngDepth,
     WriteOptions,
 };
 use crate::job::Metadata;
 use crate::overlay::OverlaySpec;
 
 use super::false_color;
+use super::legend;
 use super::options::{ConvertOptions, is_meant};
 use super::record::record;
 use super::shown::Shown;
@@ -28,6 +29,8 @@ pub struct Converted {
     pub options: WriteOptions,
     /// What was done, for the user; empty if the picture is only shown or stored anew.
     pub done: Vec<String>,
+    /// True if the new file has finer steps than the old one, which they cannot show.
+    pub is_finer_than_source: bool,
     /// False if the file says in a way that is not understood how it was made.
     pub is_record_understood: bool,
 }
@@ -63,7 +66,7 @@ pub fn convert(path: &Path, to: FileFormat, options: &ConvertOptions) -> Result<
     if let Some(metadata) = metadata.as_mut().filter(|_| !shows_denoised(&source, to, options)) {
         metadata.unmark_denoised();
     }
-    let is_drawn_anew = !to.has_layers() && !source.format.is_display_referred();
+    let is_drawn_anew = !to.has_layers() && (is_false || !source.format.is_display_referred());
     if let Some(metadata) = metadata.as_mut().filter(|_| is_drawn_anew) {
         metadata.overlay.clone_from(&overlay);
     }
@@ -82,6 +85,9 @@ pub fn convert(path: &Path, to: FileFormat, options: &ConvertOptions) -> Result<
             overlay: overlay.map(|overlay| Arc::new(drawn(&overlay, is_false))),
             fast: false,
         },
+        is_finer_than_source: to == FileFormat::Png
+            && source.png_depth == Some(PngDepth::Eight)
+            && options.png_depth == PngDepth::Sixteen,
         is_record_understood: metadata.is_some() || !source.has_records,
         done,
     })
@@ -189,15 +195,15 @@ fn one_layer(
     if !is_picture {
         done.push(format!("layer {}", layer.name));
     }
+    if to.is_display_referred() {
+        legend::refuse_unused(layer, options)?;
+        legend::refuse_drawn(path, source, options.false_colors.map.is_some())?;
+    }
     let overlay = match Shown::new(source, layer, to, options)? {
         Shown::Values(_) if layer.kind() == LayerKind::Light && layer.name != ALPHA => {
             picture.direct = premultiplied(source, layer);
             picture.alpha = alpha(source);
-            let drawn = source.metadata.as_ref().and_then(|metadata| metadata.overlay.as_ref());
-            let is_wanted = is_picture && options.overlay.legend;
-            let fits = |spec: &&OverlaySpec| spec.size == sizes(source.full_size);
-            let is_there_already = source.format.is_display_referred();
-            drawn.filter(fits).filter(|_| is_wanted && !is_there_already).cloned()
+            legend::over_light(path, source, is_picture, options)?
         }
         Shown::Values(values) => {
             picture.direct = values;
@@ -252,8 +258,4 @@ fn opacity(channel: &ImageChannel) -> Option<Vec<f32>> {
         ChannelValues::Float(values) => Some(values.clone()),
         ChannelValues::Uint(_) => None,
     }
-}
-
-fn sizes(size: [usize; 2]) -> [u32; 2] {
-    size.map(|length| length as u32)
 }

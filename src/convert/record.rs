@@ -20,7 +20,7 @@ pub(super) fn record(
     crop(&mut metadata, source.window());
     metadata.converted.extend(done);
     let was_shown = source.format.is_display_referred();
-    let from = metadata.bits.unwrap_or_default();
+    let from = source.png_depth.unwrap_or_default();
     let is_requantized = match to {
         FileFormat::Png => from != options.png_depth,
         FileFormat::Exr | FileFormat::Hdr | FileFormat::Pfm => true,
@@ -36,6 +36,10 @@ pub(super) fn record(
         }
     } else {
         metadata.bits = None;
+        if was_shown {
+            // It is a part of the pixels, and no layer of its own.
+            metadata.overlay = None;
+        }
         keep_layers(&mut metadata, source, options);
     }
     Some(metadata)

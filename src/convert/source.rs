@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::image_io::{
-    self, BEAUTY, ChannelValues, FileFormat, ImageChannel, MetadataEntry, StoredPicture,
-    read_image, read_stored,
+    self, BEAUTY, ChannelValues, FileFormat, ImageChannel, MetadataEntry, PngDepth, StoredPicture,
+    read_image, read_png_depth, read_stored,
 };
 use crate::job::Metadata;
 
@@ -17,6 +17,8 @@ pub(super) const ALPHA: &str = "alpha";
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) format: FileFormat,
+    /// How finely a PNG file stores its values.
+    pub(super) png_depth: Option<PngDepth>,
     pub(super) size: [usize; 2],
     /// Column and row of the first pixel in the full picture.
     pub(super) offset: [usize; 2],
@@ -68,7 +70,12 @@ impl Source {
         let is_foreign = |name: &str| !MetadataEntry::is_ours(name);
         let attributes = source.attributes.into_iter().filter(|(name, _)| is_foreign(name));
         let has_records = !records.is_empty();
-        Ok(Self { attributes: attributes.collect(), metadata, has_records, ..source })
+        let png_depth = match format {
+            FileFormat::Png => Some(read_png_depth(path)?),
+            FileFormat::Exr | FileFormat::Hdr | FileFormat::Pfm => None,
+        };
+        let attributes = attributes.collect();
+        Ok(Self { png_depth, attributes, metadata, has_records, ..source })
     }
 
     fn of_stored(stored: StoredPicture) -> Self {
@@ -81,6 +88,7 @@ impl Source {
         }
         Self {
             format: FileFormat::Exr,
+            png_depth: None,
             size: stored.size,
             // A picture beyond its display window is one of its own.
             offset: stored.offset.map(|first| usize::try_from(first).unwrap_or(0)),
@@ -106,6 +114,7 @@ impl Source {
         let size = [image.width, image.height];
         Ok(Self {
             format,
+            png_depth: None,
             size,
             offset: [0; 2],
             full_size: size,

@@ -38,7 +38,7 @@ pub use png::rgba_png;
 pub use png_depth::PngDepth;
 pub use read::{
     BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, StoredPicture, read_image, read_light,
-    read_raw_channels, read_stored,
+    read_png_depth, read_raw_channels, read_stored,
 };
 pub use record::MetadataEntry;
 pub use target::{ImageWriter, write_to_stream};

@@ -21,6 +21,7 @@ use crate::scene::settings::IntegratorSettings;
 use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
 
 use super::noise::NoiseTarget;
+use super::noise_status::NoiseStatus;
 use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 
 /// The version of this program.
@@ -107,6 +108,9 @@ pub struct RunRecord {
     /// to the brightness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// The noise target, if the picture does not reach it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missed: Option<NoiseStatus>,
     /// The intersector and the reason for choosing it.
     pub intersector_choice: String,
     /// The Embree version and configuration, if available.

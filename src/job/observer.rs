@@ -25,6 +25,19 @@ pub trait Observer {
 
 impl Observer for () {}
 
+/// The way to the first estimate of the noise, before which the end of a render is not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstEstimate {
+    /// Samples per pixel so far, on average.
+    pub samples: f64,
+    /// Samples per pixel that it takes.
+    pub needed: u32,
+    /// The time that a sample of every pixel takes.
+    pub time_per_sample: Duration,
+    /// The time until then.
+    pub time_left: Duration,
+}
+
 /// Progress of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderProgress {
@@ -40,6 +53,9 @@ pub struct RenderProgress {
     pub worst_error: Option<f64>,
     /// Number of tiles that meet the noise target, and of all tiles.
     pub tiles_converged: Option<[usize; 2]>,
+    /// With a noise target, until tiles have the samples that a first estimate takes: how far they
+    /// are.
+    pub to_first_estimate: Option<FirstEstimate>,
     /// Lower and upper bound of the remaining time; `None` if unknown.
     pub time_left: Option<Range<Duration>>,
 }

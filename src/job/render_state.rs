@@ -13,14 +13,15 @@ use crate::integrator::RenderStats;
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
-use super::adaptive::{NoiseProgress, estimate_error, render_adaptive};
+use super::adaptive::{MIN_ADAPTIVE_SAMPLES, NoiseProgress, estimate_error, render_adaptive};
 use super::checkpoint::{
     CheckpointHeader, CumulativeStats, OutputSpec, RenderStatus, write_checkpoint,
 };
 use super::eta::{self, Eta};
 use super::metadata::{Metadata, RunRecord, embree_summary};
-use super::observer::RenderProgress;
-use super::outcome::{NoiseStatus, RunOutcome, StopReason};
+use super::noise_status::NoiseStatus;
+use super::observer::{FirstEstimate, RenderProgress};
+use super::outcome::{RunOutcome, StopReason};
 use super::progressive::{Counters, ProgressiveRenderer};
 use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 use super::save_request::SaveRequest;
@@ -187,6 +188,11 @@ impl RenderState {
         estimate_error(&self.film, &self.job.until.reported_target())
     }
 
+    /// The noise target, if there is one that is not met.
+    fn missed_target(&self) -> Option<NoiseStatus> {
+        self.noise_progress().as_ref().map(NoiseStatus::from).filter(|status| !status.is_met())
+    }
+
     /// Metadata of a picture developed from `film`.
     pub(super) fn metadata(&self, film: &Film) -> Metadata {
         let samples = SampleRange::from_film(film, self.samples.start);
@@ -200,6 +206,7 @@ impl RenderState {
             threads: self.threads,
             noise: self.job.until.noise,
             error: self.estimate_error(),
+            missed: self.missed_target(),
             intersector_choice: self.accel_summary.clone(),
             embree: embree_summary(),
             command: self.command.clone(),
@@ -279,6 +286,19 @@ impl RenderState {
         }
     }
 
+    /// How far tiles are from the samples of their first estimate, at so many samples per second.
+    fn to_first_estimate(&self, done: u64, rate: f64) -> Option<FirstEstimate> {
+        let pixels = self.film.frame().pixel_count() as f64;
+        let (samples, needed) = (done as f64 / pixels, self.samples.end.min(MIN_ADAPTIVE_SAMPLES));
+        let time = |samples: f64| Duration::try_from_secs_f64(samples * pixels / rate).ok();
+        Some(FirstEstimate {
+            samples,
+            needed,
+            time_per_sample: time(1.0)?,
+            time_left: time((f64::from(needed) - samples).max(0.0))?,
+        })
+    }
+
     /// Progress of the render. `error` is the last error estimate.
     pub(super) fn progress(&self, error: Option<f64>) -> RenderProgress {
         let done = self.counters.samples_done().max(self.initial_samples);
@@ -302,7 +322,10 @@ impl RenderState {
         let is_known = noise_progress
             .as_ref()
             .is_none_or(|noise_progress| noise_progress.worst_error.is_finite());
+        let to_first_estimate =
+            (!is_known).then(|| self.to_first_estimate(done, estimate.rate())).flatten();
         RenderProgress {
+            to_first_estimate,
             samples_done: done,
             samples_total: total.end,
             rate: estimate.rate(),

@@ -98,7 +98,16 @@ pub(super) fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> 
             .with_help("render the scene file again, and compare the two pictures"));
     };
     let mut description = recorded_scene.clone();
-    description.for_each_file(|file| *file = options.folder.join(&*file));
+    let mut missing = None;
+    description.for_each_file(|file| {
+        *file = options.folder.join(&*file);
+        missing = missing.take().or_else(|| (!file.exists()).then(|| file.clone()));
+    });
+    if let Some(file) = missing {
+        return Err(Error::file("read", &file, "the picture was made of it, and it is not there")
+            .with_help("name the folder that has the files of the scene")
+            .with_suggestion(Suggestion::Folder, "DIR"));
+    }
     let scene = Scene::build(description)?;
     if scene.content_hash() == recorded.scene_identity {
         // Record the file names as the picture gives them, not where they were found.
@@ -126,7 +135,7 @@ pub(super) fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> 
     let message = format!("{} {verb} not what the picture was made of", changed.join(", "));
     Err(Error::input(message)
         .with_help("name the folder that has the original files")
-        .with_suggestion(Suggestion::Folder, ""))
+        .with_suggestion(Suggestion::Folder, "DIR"))
 }
 
 fn choose_backend(recorded: &Metadata, options: &ReproduceOptions) -> Result<Backend> {

@@ -10,7 +10,12 @@ pub(super) struct Bar<'a> {
     pub(super) title: &'a str,
     pub(super) map: ColorMap,
     pub(super) range: ValueRange,
+    /// True for each end that is pointed: the lower and the upper one.
+    pub(super) exceeded: [bool; 2],
 }
+
+/// Height of the point of an end, in widths of the bar.
+const POINT: f64 = 0.9;
 
 impl Bar<'_> {
     /// Draws the bar, whose ticks are to its right, into an area. The title stands above it.
@@ -24,6 +29,14 @@ impl Bar<'_> {
         canvas.fill_rows(area, color);
         let line = (0.06 * font.em()).max(1.0).round();
         canvas.frame(area, line, ink);
+        let point = (POINT * (area.right - area.left)).round();
+        let [is_below, is_above] = self.exceeded;
+        if is_below {
+            draw_point(canvas, area, area.bottom + point, line, [self.map.srgb(0.0), ink]);
+        }
+        if is_above {
+            draw_point(canvas, area, area.top - point, line, [self.map.srgb(1.0), ink]);
+        }
         let ValueRange { low, high, log } = self.range;
         let intervals = ((height / (2.2 * font.em())) as usize).clamp(1, 9);
         let ticks = match log {
@@ -41,7 +54,8 @@ impl Bar<'_> {
             let x = right + 0.25 * font.em();
             font.draw(canvas, &label, [x, baseline], Align::Left, ink);
         }
-        let baseline = area.top - 0.85 * font.em();
+        let above = if is_above { point } else { 0.0 };
+        let baseline = area.top - above - 0.85 * font.em();
         font.draw(canvas, self.title, [area.left, baseline], Align::Left, ink);
     }
 
@@ -56,5 +70,20 @@ impl Bar<'_> {
         let labels = ticks.labels();
         let widest = labels.iter().map(|label| font.width(label)).fold(0.0, f64::max);
         (bar + 0.55 * font.em() + widest).max(font.width(self.title))
+    }
+}
+
+/// Draws the point of an end, up or down to `tip`, in a colour with an outline.
+fn draw_point(canvas: &mut Canvas, area: Area, tip: f64, line: f64, [color, ink]: [Ink; 2]) {
+    let base = if tip < area.top { area.top } else { area.bottom };
+    let middle = 0.5 * (area.left + area.right);
+    let rows = base.min(tip) as i64..base.max(tip) as i64;
+    for row in rows {
+        let half = 0.5 * (area.right - area.left) * (tip - (row as f64 + 0.5)) / (tip - base);
+        let (left, right) = (middle - half, middle + half);
+        canvas.fill(Area { left, right, top: row as f64, bottom: row as f64 + 1.0 }, color);
+    }
+    for side in [area.left + 0.5 * line, area.right - 0.5 * line] {
+        canvas.line([side, base], [middle, tip], line, ink);
     }
 }

@@ -27,9 +27,9 @@ impl OverlaySpec {
         let margin = MARGIN * font.em();
         match &self.legend {
             LegendSpec::Nothing => {}
-            LegendSpec::Bar { title, map, ends: [low, high], log } => {
+            LegendSpec::Bar { title, map, ends: [low, high], log, exceeded } => {
                 let range = ValueRange { low: *low, high: *high, log: *log };
-                let bar = Bar { title, map: *map, range };
+                let bar = Bar { title, map: *map, range, exceeded: *exceeded };
                 let (thickness, tall) = (font.em().round(), (BAR_HEIGHT * height).round());
                 let left = (width - margin - bar.width(thickness, tall, &font)).round();
                 let top = (0.5 * (height - tall) + 0.4 * font.em()).round();
@@ -98,6 +98,7 @@ mod tests {
             map: ColorMap::Viridis,
             ends: [-3.0, 7.5],
             log: false,
+            exceeded: [false; 2],
         };
         let image = OverlaySpec { legend, ..spec() }.draw();
         // A column of pixels through the middle of the bar: the one with most opaque pixels.
@@ -117,6 +118,30 @@ mod tests {
                 assert!((f32::from(*found) - expected * 255.0).abs() < 3.0, "{index}: {pixel:?}");
             }
         }
+    }
+
+    #[test]
+    fn an_end_with_numbers_beyond_it_is_pointed() {
+        let drawn = |exceeded| {
+            let (title, map) = (String::new(), ColorMap::Viridis);
+            let legend = LegendSpec::Bar { title, map, ends: [0.0, 1.0], log: false, exceeded };
+            let pixels = OverlaySpec { legend, ..spec() }.draw().pixels;
+            let is_ink = |x: usize, y: usize| pixels[y * 320 + x][3] == 255;
+            let middle = (0..320).find(|x| is_ink(*x, 120)).expect("a bar") + 6;
+            let rows: Vec<usize> = (0..240).filter(|y| is_ink(middle, *y)).collect();
+            let color = |y: usize| pixels[y * 320 + middle].map(f32::from);
+            let [top, bottom] = [rows[0], rows[rows.len() - 1]];
+            (top, bottom, color(top + 6), color(bottom - 6))
+        };
+        let (top, bottom, ..) = drawn([false; 2]);
+        let (upper, lower, above, below) = drawn([true; 2]);
+        assert!((8..12).contains(&(top - upper)) && (8..12).contains(&(lower - bottom)));
+        for (found, position) in [(above, 1.0), (below, 0.0)] {
+            let expected = ColorMap::Viridis.srgb(position).map(|channel| 255.0 * channel);
+            let is_near = |(found, expected): (&f32, &f32)| (found - expected).abs() < 3.0;
+            assert!(found.iter().zip(&expected).all(is_near), "{found:?} {expected:?}");
+        }
+        assert_eq!(drawn([true, false]).0, top);
     }
 
     #[test]

@@ -71,6 +71,10 @@ pub enum LegendSpec {
         ends: [f64; 2],
         /// True if it goes with the logarithm.
         log: bool,
+        /// True for each end that is pointed, because there are numbers beyond it, which have its
+        /// colour.
+        #[serde(default, skip_serializing_if = "is_within")]
+        exceeded: [bool; 2],
     },
     /// Names with colours.
     Categories {
@@ -79,6 +83,10 @@ pub enum LegendSpec {
         /// Each name with its 8-bit sRGB colour.
         entries: Vec<(String, [u8; 3])>,
     },
+}
+
+fn is_within(exceeded: &[bool; 2]) -> bool {
+    *exceeded == [false; 2]
 }
 
 /// A scale bar.

@@ -29,6 +29,17 @@ pub(super) trait FrameFormat {
         Ok(())
     }
 
+    /// Checks that another frame follows, or the end: a count that is too small must not lose
+    /// particles.
+    fn check_end(&self, _input: &mut Input, _head: &FrameHead) -> Outcome<()> {
+        Ok(())
+    }
+
+    /// What a mistake in a frame with this head may come from.
+    fn advice(&self, _head: &FrameHead) -> Option<String> {
+        None
+    }
+
     /// Turns positions as they are in the file into Cartesian ones.
     fn finish(&self, _head: &FrameHead, _batch: &mut Batch) {}
 }
@@ -47,6 +58,8 @@ pub(super) struct FrameHead {
     /// A column of words that are not in the lines, each with the number of particles that it is
     /// for, one group after the other.
     pub(super) words: Option<(&'static str, Vec<(String, u64)>)>,
+    /// Line of the number of particles.
+    pub(super) count_line: u64,
     /// What the format keeps for itself.
     pub(super) variant: usize,
 }
@@ -70,9 +83,14 @@ pub(super) fn read<F: FrameFormat>(
     let parser = format.parser(&head, &fields);
     let mut batch = Batch::new(fields.kinds());
     let first_line = input.line_number();
-    let lines = read_rows(&mut input, &*parser, Section::Lines(head.count), budget, &mut batch)?;
-    check_lines(&input, lines, &head)?;
+    let advice =
+        |trouble: Trouble| Trouble { help: trouble.help.or(format.advice(&head)), ..trouble };
+    let lines = read_rows(&mut input, &*parser, Section::Lines(head.count), budget, &mut batch)
+        .map_err(|failure| failure.map(advice))?;
+    check_lines(&input, lines, &head).map_err(|failure| failure.map(advice))?;
+    let notes = format.advice(&head).into_iter().collect();
     format.tail(&mut input, &mut head)?;
+    format.check_end(&mut input, &head)?;
     format.finish(&head, &mut batch);
     // A line each, in order.
     if let Some(row) = first_beyond_numbers(&batch.positions) {
@@ -94,7 +112,7 @@ pub(super) fn read<F: FrameFormat>(
         title: head.title,
         unit: head.unit,
         first_line: Some(first_line),
-        notes: Vec::new(),
+        notes,
     })
 }
 
@@ -167,7 +185,8 @@ fn find<F: FrameFormat>(format: &mut F, input: &mut Input, frame: u64) -> Outcom
 fn skip<F: FrameFormat>(format: &mut F, input: &mut Input, head: &mut FrameHead) -> Outcome<()> {
     let lines = input.skip_lines(head.count)?;
     check_lines(input, lines, head)?;
-    format.tail(input, head)
+    format.tail(input, head)?;
+    format.check_end(input, head)
 }
 
 /// A column of words from groups that follow each other.

@@ -79,6 +79,14 @@ impl From<Error> for Failure {
 }
 
 impl Failure {
+    /// Changes what is said about the contents.
+    pub(super) fn map(self, change: impl FnOnce(Trouble) -> Trouble) -> Self {
+        match self {
+            Self::Trouble(trouble) => Self::Trouble(change(trouble)),
+            Self::Error(error) => Self::Error(error),
+        }
+    }
+
     /// The error for the user.
     pub(super) fn into_error(self, path: &Path) -> Error {
         match self {
@@ -106,6 +114,13 @@ pub(super) fn shown(bytes: &[u8]) -> String {
     let short: String = text.chars().take(MOST).map(printable).collect();
     let is_cut = text.chars().count() > MOST || bytes.len() > 4 * MOST;
     format!("`{short}{}`", if is_cut { "..." } else { "" })
+}
+
+/// Something behind the particles that should not be there, because their number, which `counted`
+/// tells, is too small.
+pub(super) fn uncounted(line: u64, expected: &str, found: &[u8], counted: &str) -> Failure {
+    let message = format!("expected {expected}, found {}", shown(found));
+    Trouble::at(line, message).with_help(format!("{counted}: are there more?")).into()
 }
 
 /// A number with its noun, as in `1 atom` or `2 atoms`.

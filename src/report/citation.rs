@@ -2,7 +2,7 @@
 //! to cite.
 
 use crate::draw::text::percent;
-use crate::job::{Metadata, NoiseTarget};
+use crate::job::{Metadata, NoiseStatus, NoiseTarget};
 use crate::scene::description::{MaterialDescription, SurfaceModel};
 use crate::scene::settings::{Caustics, Estimator, IntegratorSettings, SamplerKind};
 
@@ -73,6 +73,7 @@ pub fn methods(metadata: &Metadata) -> String {
         version(metadata)
     )];
     sentences.extend(error(metadata));
+    sentences.extend(missed(metadata));
     sentences.extend(bias(metadata));
     sentences.extend(display(metadata));
     sentences.push(format!(
@@ -241,6 +242,20 @@ fn error(metadata: &Metadata) -> Option<String> {
         Some(_) => (target.format_error(error), "as displayed"),
     };
     Some(format!("The estimated error of {share} % of the pixel values is below {error} {unit}."))
+}
+
+/// Says that the picture has not reached its target.
+fn missed(metadata: &Metadata) -> Option<String> {
+    let NoiseStatus { target, tiles, tiles_converged, worst_error } =
+        metadata.run.as_ref()?.missed?;
+    let error = |error: f64| target.format_error(error);
+    let worst = worst_error.map_or(String::new(), |worst| format!(", up to {}", error(worst)));
+    Some(format!(
+        "The render ended before its target, an error of {}, was reached: {} of {tiles} squares of \
+         16 x 16 pixels have a larger or an unknown error{worst}.",
+        error(target.error),
+        tiles - tiles_converged
+    ))
 }
 
 fn bias(metadata: &Metadata) -> Option<String> {

@@ -16,6 +16,9 @@ use super::record_text::{self, join_list, line_by_line};
 /// Name of the record that says how to resume a part.
 const RESUME: &str = "resume";
 
+/// The name of the record of a noise target that was missed.
+const MISSED: &str = "missed";
+
 /// Records of how a file was made.
 #[derive(Clone, Debug)]
 pub struct FileRecords {
@@ -94,8 +97,9 @@ impl FileRecords {
         records.push(MetadataEntry::new("ended", is_ended.to_string()));
         if let RenderStatus::Ended { missed_targets } = &header.status {
             let missed: Vec<String> = missed_targets.iter().map(ToString::to_string).collect();
+            records.retain(|record| record.name != MISSED);
             let record =
-                (!missed.is_empty()).then(|| MetadataEntry::new("missed", missed.join("; ")));
+                (!missed.is_empty()).then(|| MetadataEntry::new(MISSED, missed.join("; ")));
             records.extend(record);
         }
         if let Some(output) = &header.output {
@@ -132,6 +136,7 @@ impl FileRecords {
                 let target = run.noise.unwrap_or(NoiseTarget::new(0.01));
                 Some(record_text::error(run.error?, &target))
             }),
+            MISSED if self.header.is_none() => run.and_then(|run| Some(run.missed?.to_string())),
             "rays" => run.map(|run| record_text::rays(run.rays)),
             "seconds" => run.map(|run| record_text::seconds(run.seconds)),
             // The scene text contains it.

@@ -100,11 +100,17 @@ pub(super) fn overlay(overlay: &OverlaySpec) -> String {
     };
     let legend = match &overlay.legend {
         LegendSpec::Nothing => None,
-        LegendSpec::Bar { title, map, ends: [low, high], log } => {
+        LegendSpec::Bar { title, map, ends: [low, high], log, exceeded } => {
             let log = if *log { ", logarithmic" } else { "" };
+            let beyond = match exceeded {
+                [false, false] => "",
+                [true, false] => ", numbers beyond the lower end",
+                [false, true] => ", numbers beyond the upper end",
+                [true, true] => ", numbers beyond both ends",
+            };
             let (bar, map) = (titled("colour bar", title), map.name());
             let [low, high] = [*low, *high].map(five_digits);
-            Some(format!("{bar} ({map} from {low} to {high}{log})"))
+            Some(format!("{bar} ({map} from {low} to {high}{log}{beyond})"))
         }
         LegendSpec::Categories { title, entries } => {
             Some(format!("{} of {} entries", titled("legend", title), entries.len()))
@@ -209,6 +215,7 @@ mod tests {
             map: ColorMap::Viridis,
             ends: [0.0, 2.500001],
             log: true,
+            exceeded: [false, true],
         };
         let mut spec = OverlaySpec {
             size: [4, 4],
@@ -218,7 +225,8 @@ mod tests {
             scale_bar: None,
             tripod: Some([[0.0; 2]; 3]),
         };
-        let bar = "colour bar `energy` (viridis from 0 to 2.5, logarithmic), axes";
+        let bar = "colour bar `energy` (viridis from 0 to 2.5, logarithmic, numbers beyond the \
+                   upper end), axes";
         assert_eq!(overlay(&spec), bar);
         spec.legend = LegendSpec::Nothing;
         assert_eq!(overlay(&spec), "axes");

@@ -42,6 +42,10 @@ pub struct CameraFit {
     pub direction: ViewDirection,
     /// The share of the width and of the height that stays free on each side; in [0, 0.49].
     pub margin: f64,
+    /// The share of the width that stays free at the right, where a colour bar is drawn; in
+    /// [0, 0.49]. `None` is `margin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub right_margin: Option<f64>,
 }
 
 /// What the lens focuses on.

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::appearance::{FramedCamera, Framing, Projection, frame};
+use crate::appearance::{FramedCamera, Framing, Legend, Projection, frame};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -22,6 +22,9 @@ const MIN_GROUND_SCALE: f64 = 10.0;
 
 /// The widest angle that a fitted panorama gives to what it shows, in degrees.
 const WIDEST_PANORAMIC_VIEW: f64 = 90.0;
+
+/// The largest margin of a fitted camera.
+const MAX_MARGIN: f64 = 0.49;
 
 /// An axis-aligned box: its lowest and its highest corner.
 #[derive(Clone, Copy)]
@@ -112,7 +115,7 @@ impl<'a> Subjects<'a> {
             vertical_fov_degrees,
             zoom: 1.0,
             aspect,
-            margins: [fit.margin; 4],
+            margins: [fit.margin, fit.right_margin.unwrap_or(fit.margin), fit.margin, fit.margin],
         };
         let spheres = self.scene.spheres();
         let is_shown = |id: &u32| {
@@ -127,6 +130,18 @@ impl<'a> Subjects<'a> {
             (center, radius)
         };
         frame(&framing, spheres.len(), sphere).expect("a scene has spheres, all of them finite")
+    }
+}
+
+impl CameraFit {
+    /// Leaves room for a legend at the right, unless it is known what stays free there.
+    pub(super) fn leave_room_for(&mut self, legend: &Legend) {
+        // Something must be left of the picture.
+        let most = 0.9 - self.margin;
+        let with_legend = || (self.margin + legend.room()).min(most).min(MAX_MARGIN);
+        if legend.room() > 0.0 && self.right_margin.is_none() {
+            self.right_margin = Some(with_legend());
+        }
     }
 }
 

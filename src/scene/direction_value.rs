@@ -17,7 +17,9 @@ impl ParseValue for DirectionValue {
     type Output = ViewDirection;
 
     fn expects(&self) -> String {
-        "\"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, or three numbers".into()
+        "\"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, the first up to 360 and the \
+         second from -90 to 90, or three numbers"
+            .into()
     }
 
     fn parse(&self, node: &SpannedValue<'_>) -> Result<ViewDirection, InvalidValue> {

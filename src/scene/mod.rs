@@ -26,6 +26,7 @@ mod loaded_particles;
 mod no_effect;
 mod npy;
 mod particle_file;
+mod particle_radii;
 mod particle_table;
 pub(crate) mod paths;
 mod prepared_scene;

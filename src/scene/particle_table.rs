@@ -11,6 +11,7 @@ use super::colors::PackedColor;
 use super::data::{SphereArrays, StridedArray};
 use super::description::ColorStorage;
 use super::particle_file::ParticleTable;
+use super::particle_radii::check_radii;
 
 /// Why particles cannot become spheres.
 pub(super) enum ParticleError {
@@ -36,7 +37,9 @@ impl ParticleTable {
             let message = format!("`{}` has no particles", self.path.display());
             return Err(ParticleError::File(Error::input(message)));
         }
-        dress(particles, &self.appearance).map_err(ParticleError::Option)
+        let dressed = dress(particles, &self.appearance).map_err(ParticleError::Option)?;
+        check_radii(self, &dressed).map_err(ParticleError::Option)?;
+        Ok(dressed)
     }
 
     /// Which row of the file each row of the table shows.

@@ -54,6 +54,10 @@ impl Composition<'_> {
             writeln!(to, "\n[materials.ground]\ntype = \"diffuse\"\nalbedo = {albedo}")?;
             writeln!(to, "\n[[spheres]]\nname = \"ground\"\ncenter = {}", vector(center))?;
             writeln!(to, "radius = {radius:?}\nmaterial = \"ground\"")?;
+            if self.backdrop.is_none() {
+                // Of what is transparent, only the shadow can be seen.
+                writeln!(to, "shadow_catcher = true")?;
+            }
         }
         writeln!(to, "\n[[particles]]")?;
         for (key, value) in &self.particles {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::appearance::{Framing, Legend, ViewDirection, frame};
+use crate::appearance::{Framing, ViewDirection, frame};
 use crate::color::Rgb;
 use crate::error::{Diagnostic, Error, Result};
 use crate::math::DVec3;
@@ -111,13 +111,14 @@ fn import_with(
     }
     let size = size_of(&scene);
     let particles = scene.particles().next().ok_or_else(|| Error::input("no particles"))?;
+    let [left, right, top, bottom] = options.margins;
     let framing = Framing {
         view: options.view.unwrap_or(DEFAULT_VIEW),
         up: options.up,
         vertical_fov_degrees: (!options.orthographic).then_some(VERTICAL_FOV_DEGREES),
         zoom: options.zoom,
         aspect: f64::from(size[0]) / f64::from(size[1]),
-        margins: margins(options.margins, &particles.look.legend),
+        margins: [left, right + particles.look.legend.room(), top, bottom],
     };
     let count = particles.len() + particles.look.hidden.len();
     let sphere = particles.spheres();
@@ -127,15 +128,18 @@ fn import_with(
     };
     let towards = (camera.position - camera.look_at).normalize();
     let elevation = towards.dot(options.up).asin().to_degrees();
-    let has_ground = options.ground.unwrap_or(values.ground && elevation > MIN_GROUND_ELEVATION);
     let backdrop = match options.background {
         Some(Background::Transparent) => None,
         Some(Background::Color(color)) => Some(color),
         None => Some(Rgb::splat(values.backdrop as f32)),
     };
-    let ground = (has_ground && backdrop.is_some())
-        .then(|| ground(count, &sphere, options.up))
-        .filter(|(center, radius)| camera.position.distance(*center) > *radius);
+    // A ground would fill a transparent background, unless it is asked for: then as a shadow.
+    let usual = values.ground && elevation > MIN_GROUND_ELEVATION && backdrop.is_some();
+    let has_ground = options.ground.unwrap_or(usual);
+    let ground = has_ground.then(|| ground(count, &sphere, options.up));
+    let is_above = |(center, radius): &(DVec3, f64)| camera.position.distance(*center) > *radius;
+    let ground = ground.filter(is_above);
+    refuse_ground_keys(ground.is_some(), overrides)?;
     let chosen = &particles.look.choices;
     let material = options.material.as_deref().unwrap_or(values.material);
     let composition = Composition {
@@ -156,10 +160,24 @@ fn import_with(
         choices.push(("view", "-55,25".to_owned()));
     }
     choices.extend(chosen.iter().cloned());
-    let notes = particles.look.notes.clone();
+    let mut notes = particles.look.notes.clone();
+    if options.ground == Some(true) && ground.is_none() {
+        notes.push("there is no ground, because the camera would be below it".to_owned());
+    }
     drop(sphere);
     let scene = read_text_reusing(name, &text, folder, overrides, scene)?;
     Ok(Import { text, scene, choices, notes })
+}
+
+/// Refuses keys of a ground that is not there.
+fn refuse_ground_keys(has_ground: bool, overrides: &[Override]) -> Result<()> {
+    let is_of_ground = |given: &&Override| given.key.starts_with("spheres.ground.");
+    let Some(given) = overrides.iter().find(is_of_ground).filter(|_| !has_ground) else {
+        return Ok(());
+    };
+    let message = format!("there is no ground, whose key `{}` is set", given.key);
+    Err(Error::input(message)
+        .with_help("ask for a ground, which is there unless the camera would be below it"))
 }
 
 /// The samples per pixel that an override asks for, or the usual number.
@@ -172,16 +190,6 @@ fn samples(overrides: &[Override]) -> u32 {
 fn has_radius_of_distances(scene: &SceneFile) -> bool {
     let mut choices = scene.particles().flat_map(|particles| &particles.look.choices);
     choices.any(|(key, value)| *key == "radius" && value.parse::<f64>().is_ok())
-}
-
-/// Leaves room for a colour bar or a legend to the right.
-fn margins([left, right, top, bottom]: [f64; 4], legend: &Legend) -> [f64; 4] {
-    let right = match legend {
-        Legend::Range { .. } => right + 0.12,
-        Legend::Categories { entries, .. } if entries.len() > 1 => right + 0.07,
-        Legend::Categories { .. } | Legend::Nothing => right,
-    };
-    [left, right, top, bottom]
 }
 
 /// Errors in the draft have no place that a user knows; those in overrides keep theirs.

@@ -10,5 +10,5 @@ mod style;
 pub use crate::overlay::font_pixels;
 pub use import::{Import, import, import_particles};
 pub use options::{Background, StudioOptions};
-pub use overlay_spec::overlay_spec;
+pub use overlay_spec::{overlay_spec, overlay_warnings};
 pub use style::{MATERIALS, Style};

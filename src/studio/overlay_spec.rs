@@ -45,15 +45,36 @@ pub fn overlay_spec(
     (!spec.is_empty()).then_some(spec)
 }
 
+/// Says which of the choices leave nothing to see in a picture of this scene.
+pub fn overlay_warnings(choice: &OverlayChoice, scene: &SceneFile) -> Vec<String> {
+    let legend = scene.particles().next().map(|particles| &particles.look.legend);
+    let has_legend = legend.is_some_and(|legend| legend_spec(legend, None) != LegendSpec::Nothing);
+    let mut warnings = Vec::new();
+    if choice.title.is_some() && !has_legend {
+        warnings.push(
+            "the title is drawn nowhere: there is no colour bar or legend, because no numbers or \
+             kinds of particles are coloured: `color` names a column"
+                .to_owned(),
+        );
+    }
+    let is_panorama =
+        matches!(scene.description.camera.projection, ProjectionDescription::Panoramic { .. });
+    if choice.scale_bar && is_panorama {
+        warnings.push("there is no scale bar: a panorama has no scale".to_owned());
+    }
+    warnings
+}
+
 /// A legend with few entries more than nothing; one category says nothing.
 fn legend_spec(legend: &Legend, given_title: Option<&str>) -> LegendSpec {
     let title = |own: &str| given_title.unwrap_or(own).to_owned();
     match legend {
-        Legend::Range { title: own, map, range } => LegendSpec::Bar {
+        Legend::Range { title: own, map, range, exceeded } => LegendSpec::Bar {
             title: title(own),
             map: *map,
             ends: [range.low, range.high],
             log: range.log,
+            exceeded: *exceeded,
         },
         Legend::Categories { title: own, entries } if entries.len() > 1 => {
             let srgb = |color: &Rgb| color.to_array().map(srgb8_from_linear);

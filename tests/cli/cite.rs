@@ -32,6 +32,25 @@ fn a_methods_sentence_is_made_of_the_record() {
     assert!(text.contains("Awan and Ko") && !text.contains("Veach"), "{text}");
 }
 
+/// A figure whose target was out of reach is not cited as one that reached it.
+#[test]
+fn a_target_that_was_missed_is_told() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml --accel native --quiet";
+    desk.run(&format!("{render} -o a.png -o a.part --noise 0.01% --max-spp 64"));
+    for file in ["a.png", "a.part"] {
+        let text = desk.run(&format!("cite {file}")).succeeds().stdout;
+        let told = "The render ended before its target, an error of 0.01";
+        assert!(text.contains(told) && text.contains("of 1 squares"), "{text}");
+        let told = desk.run(&format!("info {file}")).succeeds();
+        assert!(told.row("missed").starts_with("the noise target of 0.01"), "{}", told.stdout);
+    }
+    desk.run(&format!("{render} -o b.png --noise 50%")).succeeds();
+    let text = desk.run("cite b.png").succeeds().stdout;
+    assert!(text.contains("The estimated error") && !text.contains("target"), "{text}");
+    assert!(!desk.run("info b.png").succeeds().stdout.contains("missed"));
+}
+
 #[test]
 fn bibtex_is_of_the_program_and_of_the_methods() {
     let desk = Desk::new(SCENE);
@@ -44,7 +63,8 @@ fn bibtex_is_of_the_program_and_of_the_methods() {
     assert!(text.contains("@inproceedings{kajiya-1986,"), "{text}");
     assert_eq!(text.matches('{').count(), text.matches('}').count());
     desk.run("cite").fails(2, &["<PICTURE>"]);
-    desk.run("cite scene.toml").fails(3, &["scene.toml"]);
+    let parts = ["`scene.toml` is no picture", "cite takes a picture that photosphere wrote"];
+    desk.run("cite scene.toml").fails(3, &parts);
 }
 
 /// The file that reference managers read says what the program says.

@@ -29,6 +29,10 @@ mod memory_plan;
 mod mistakes_in_a_scene;
 mod no_effect;
 #[cfg(unix)]
+mod overlays;
+#[cfg(unix)]
+mod particle_mistakes;
+#[cfg(unix)]
 mod particles;
 #[cfg(unix)]
 mod pictures;

@@ -249,9 +249,9 @@ fn tables_must_be_there_and_be_the_same() {
     write_table(&desk, "grains.f32", 0.25);
     let message = "grains.f32` is not what the picture was made of";
     desk.run("reproduce a.png --quiet")
-        .fails(3, &[message, "help: name the folder that has the original files: --folder"]);
+        .fails(3, &[message, "help: name the folder that has the original files: --folder DIR"]);
     fs::remove_file(desk.path().join("grains.f32")).expect("it is there");
-    desk.run("reproduce a.png --quiet").fails(3, &["cannot read", "grains.f32`"]);
+    desk.run("reproduce a.png --quiet").fails(4, &["cannot read", "grains.f32`", "--folder DIR"]);
     fs::create_dir(desk.path().join("moved")).expect("a folder");
     write_table(&desk, "moved/grains.f32", 0.5);
     desk.run("reproduce a.png --quiet --folder moved").succeeds();

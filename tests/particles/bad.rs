@@ -2,7 +2,7 @@
 
 use photosphere::particles::{Format, ReadRequest, read_bytes};
 
-use super::kit::{error, fixture};
+use super::kit::{bytes, error, fixture};
 
 /// Every fixture cut at every byte, or, in long ones, at many.
 #[test]
@@ -76,5 +76,30 @@ fn long_lines_are_read_or_refused() {
             Ok(found) => assert_eq!(found.len(), 1, "{start}"),
             Err(error) => assert!(error.to_string().len() < 300, "{start}: {error}"),
         }
+    }
+}
+
+/// No atom is lost because a number in the file is too small.
+#[test]
+fn particles_that_are_not_counted_are_told() {
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 6\n0 6\n\
+                0 6\nITEM: ATOMS id x y z\n1 0 0 0\n2 1 1 1\n";
+    let data = "title\n\n1 atoms\n1 atom types\n\nAtoms # atomic\n\n1 1 0 0 0\n2 1 1 1 1\n";
+    let atom = |row| format!("    1SOL     OW    {row}   0.100   0.200   0.300\n");
+    let gro = format!("water\n 1\n{}{}   3.0 3.0 3.0\n", atom(1), atom(2));
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+               property float z\nend_header\n0 0 0\n1 1 1\n";
+    for (text, line, counted) in [
+        ("1\n\nO 1 2 3\nH 1 2 3\n", 4, "line 1 counts 1 atom"),
+        ("1\n\nO 1 2 3\n\n\nH 1 2 3\n", 6, "line 1 counts 1 atom"),
+        (dump, 11, "line 4 counts 1 atom"),
+        (data, 9, "the header counts 1 atom"),
+        (&gro, 4, "line 2 counts 1 atom"),
+        (ply, 9, "the header counts 1 vertex"),
+    ] {
+        let error = bytes(text).unwrap_err();
+        assert!(error.to_string().starts_with(&format!("memory:{line}: ")), "{error}");
+        let help = format!("{counted}: are there more?");
+        assert_eq!(error.help(), Some(&*help), "{error}");
     }
 }

@@ -61,7 +61,10 @@ fn mistakes_have_their_line() {
             "1152921504606846976\n\nO 1 2 3\n",
             "memory:4: expected 1152921504606846976 lines with particles, found 1 and the end",
         ),
-        ("1\n\nO 1 2 3\nsecond\n\n", "memory:4: expected the number of atoms, found `second`"),
+        (
+            "1\n\nO 1 2 3\nsecond\n\n",
+            "memory:4: expected the number of atoms of another frame, or the",
+        ),
     ] {
         let found = match text.ends_with("second\n\n") {
             true => {
@@ -70,6 +73,25 @@ fn mistakes_have_their_line() {
             false => error(text),
         };
         assert!(found.starts_with(message), "{found}");
+    }
+}
+
+/// A comment that is missing takes the first atom; the number of those that are left tells it, or
+/// a note.
+#[test]
+fn a_missing_comment_is_told() {
+    let told = "line 2 looks like an atom and is read as the comment";
+    let frame = "2\nO 1 2 3\nH 1 2 3\n";
+    for text in [frame.to_owned(), frame.repeat(2), frame.replace('O', "6")] {
+        let error = bytes(&text).unwrap_err();
+        assert!(error.to_string().starts_with("memory:"), "{error}");
+        assert!(error.help().is_some_and(|help| help.starts_with(told)), "{text}");
+    }
+    let found = bytes("1\nO 1 2 3\nH 1 2 3\n").unwrap();
+    assert!(found.notes[0].starts_with(told), "{:?}", found.notes);
+    for comment in ["", "title", "O 1 2", "step 1 2 3", "1 2 3"] {
+        let found = bytes(format!("1\n{comment}\nH 1 2 3\n")).unwrap();
+        assert_eq!(found.notes, [""; 0], "{comment}");
     }
 }
 

@@ -98,7 +98,11 @@ fn descriptions(folder: &Path) -> Vec<SceneDescription> {
     let targets = [FocusTarget::Pixel(3, 4), FocusTarget::TableRow(0, 1)];
     all.extend(targets.map(|target| {
         let mut scene = with_lens.clone();
-        let fit = CameraFit { direction: ViewDirection::Axis(2, true), margin: 0.25 };
+        let fit = CameraFit {
+            direction: ViewDirection::Axis(2, true),
+            margin: 0.25,
+            right_margin: Some(0.375),
+        };
         scene.camera.fit = matches!(target, FocusTarget::Pixel(..)).then_some(fit);
         scene.camera.focus_target = Some(target);
         if let ProjectionDescription::Perspective { lens: Some(lens), .. } =

@@ -89,8 +89,9 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"ground\"\nfocus_distance = 2", "10:12: `camera.focus_on` and `camera.focus_distance` both set the focus; remove one"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nmargin = 0.1", "10:10: `camera.margin` is of use only with `fit = true` | add `fit = true`, or remove it"),
     ("look_at = [0, 1, 0]", "fit = true", "8:12: `camera.position` is given, but `fit = true` finds it | remove one of them"),
-    ("position = [0, 1, 5]\nlook_at = [0, 1, 0]", "fit = true\ndirection = \"left\"", "9:13: `camera.direction` must be \"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, or three numbers, not \"left\""),
-    ("position = [0, 1, 5]\nlook_at = [0, 1, 0]", "fit = true\ndirection = [0, 0, 0]", "9:13: `camera.direction` must be \"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, or three numbers, not [0, 0, 0]"),
+    ("position = [0, 1, 5]\nlook_at = [0, 1, 0]", "fit = true\ndirection = \"left\"", "9:13: `camera.direction` must be \"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, the first up to 360 and the second from -90 to 90, or three numbers, not \"left\""),
+    ("position = [0, 1, 5]\nlook_at = [0, 1, 0]", "fit = true\ndirection = \"20,95\"", "9:13: `camera.direction` must be \"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, the first up to 360 and the second from -90 to 90, or three numbers, not \"20,95\""),
+    ("position = [0, 1, 5]\nlook_at = [0, 1, 0]", "fit = true\ndirection = [0, 0, 0]", "9:13: `camera.direction` must be \"iso\", an axis such as \"-y\", \"AZIMUTH,ELEVATION\" in degrees, the first up to 360 and the second from -90 to 90, or three numbers, not [0, 0, 0]"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on_pixel = [1]", "10:18: `camera.focus_on_pixel` must be [x, y], the column and the row of a pixel, not 1 numbers"),
     ("[render]", "[render]\nestimator = \"mix\"", "31:13: `render.estimator` must be \"mis\" or \"light\" or \"bsdf\", not \"mix\" | did you mean `mis`?"),
     ("[render]", "[render]\nclamp_indirect = 0", "31:18: `render.clamp_indirect` must be a number above 0 and at most 1e15, not 0"),
@@ -124,7 +125,8 @@ fn a_scene_without_its_parts_says_which() {
     let expected = [
         "1:1: `format` is missing | add `format = 1` as the first line",
         "1:11: `spheres` must be a list of tables, not an integer | write `[[spheres]]` above each",
-        "1:12: `[camera]` is missing",
+        "1:12: `[camera]` is missing | add `[camera]` with `fit = true`, which shows all that the scene \
+         has, or with position and look_at",
     ];
     assert_told("spheres = 3", &[], &expected);
     let bare = SCENE.split("[[spheres]]").next().expect("what stands before the spheres");

@@ -59,9 +59,11 @@ const MISTAKES_IN_OPTIONS: &[(&str, &str)] = &[
     ("materials.grass.albedo=[1,0,2]", "1:35: `materials.grass.albedo` must be three numbers from 0 to 1, not 2"),
     ("materials.gras.albedo=[1,0,0]", "1:7: there is no material \"gras\" | did you mean `grass`?"),
     ("spheres.2.radius=1", "1:7: `spheres` has 2 entries, counted from 0"),
-    ("spheres.-1.radius=1", "1:7: no entry of `spheres` is named \"-1\""),
+    ("spheres.-1.radius=1", "1:7: no entry of `spheres` is named \"-1\" | named are \"ground\"; each has a number, from 0 to 1"),
     ("spheres.grund.radius=1", "1:7: no entry of `spheres` is named \"grund\" | did you mean `ground`?"),
-    ("spheres.'0'.radius=1", "1:7: no entry of `spheres` is named \"0\""),
+    ("spheres.'0'.radius=1", "1:7: no entry of `spheres` is named \"0\" | named are \"ground\"; each has a number, from 0 to 1"),
+    ("particles.0.radius=1", "1:7: the scene has no `[[particles]]` whose keys could be set"),
+    ("sphere_tables.a.name=b", "1:7: the scene has no `[[sphere_tables]]` whose keys could be set"),
     ("render.seed.x=1", "1:7: `render.seed` is an integer and has no keys"),
     ("render.seed=1\nrender.max_depth=2", "1:19: the value must be a single TOML value"),
 ];

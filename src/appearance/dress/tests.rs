@@ -75,33 +75,32 @@ fn elements_have_their_radii_and_colours() {
 
 #[test]
 fn unknown_elements_are_said_with_their_line() {
-    let notes = |names: [&str; 3], change: &dyn Fn(&mut Appearance)| {
+    let warnings = |names: [&str; 3], change: &dyn Fn(&mut Appearance)| {
         let mut particles = particles();
         let ColumnData::Text(words) = &mut particles.columns[0].data else { panic!() };
         words.names = names.map(Into::into).to_vec();
         let mut options = Appearance::default();
         change(&mut options);
-        dress(particles, &options).unwrap().notes
+        dress(particles, &options).unwrap().warnings
     };
-    assert!(notes(["O", "H", "C"], &|_| ()).is_empty());
-    let both = "a.xyz:4: unknown element `Q1`: it is grey, with a radius of 0.8 angstrom (`radius` and \
-                `color` choose otherwise)";
-    assert_eq!(notes(["O", "Q1", "C"], &|_| ()), [both]);
+    assert!(warnings(["O", "H", "C"], &|_| ()).is_empty());
+    let both = "a.xyz:4: no element is called `Q1`: it is grey and drawn with a radius of 0.8 Å";
+    assert_eq!(warnings(["O", "Q1", "C"], &|_| ()), [both]);
     let of_rest = |options: &mut Appearance| {
         options.select = Some("x > 1".to_owned());
         options.radius = RadiusChoice::Number(1.0);
     };
-    let grey = "a.xyz:5: unknown element `Xx`: it is grey (`radius` and `color` choose otherwise)";
-    assert_eq!(notes(["Xx", "H", "C"], &of_rest), [grey]);
-    let more = notes(["Xx", "H", "C"], &|options| options.color = ColorChoice::Type);
-    let larger = "a.xyz:3: unknown element `Xx`: it is drawn with a radius of 0.8 angstrom, like 1 \
-                  more (`radius` and `color` choose otherwise)";
+    let grey = "a.xyz:5: no element is called `Xx`: it is grey";
+    assert_eq!(warnings(["Xx", "H", "C"], &of_rest), [grey]);
+    let more = warnings(["Xx", "H", "C"], &|options| options.color = ColorChoice::Type);
+    let larger = "a.xyz:3: no element is called `Xx`, like 2 of 4 particles: they are drawn with a \
+                  radius of 0.8 Å";
     assert_eq!(more, [larger]);
     let neither = |options: &mut Appearance| {
         options.color = ColorChoice::Type;
         options.radius = RadiusChoice::Spacing;
     };
-    assert!(notes(["Xx", "H", "C"], &neither).is_empty());
+    assert!(warnings(["Xx", "H", "C"], &neither).is_empty());
 }
 
 #[test]

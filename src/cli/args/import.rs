@@ -18,7 +18,8 @@ Examples:
   photosphere import beads.csv -o scene.toml --color c_pe --colormap batlow
 
 The scene is a text file (docs/scene-format.md) that can be edited and rendered. It refers to the
-particle file, and says what was chosen automatically.")]
+particle file, and says what was chosen automatically. What is drawn over a picture, such as a title
+or a scale bar, is no part of a scene: give these options to render.")]
 pub struct ImportArgs {
     /// The particle file
     #[arg(value_name = "FILE")]

@@ -14,6 +14,7 @@ Examples:
   photosphere info scenes/cornell-spheres.toml
   photosphere info fig2.png
   photosphere info run.lammpstrj
+  photosphere info beads.csv --columns
   photosphere info grains.toml --json | jq .spheres
   photosphere info grains.toml --memory-limit 8GiB
 
@@ -28,6 +29,11 @@ pub struct InfoArgs {
 
     #[command(flatten)]
     pub memory: MemoryArg,
+
+    /// Read all rows of a particle file, for the least and the greatest number of each column and
+    /// for the words in it
+    #[arg(long)]
+    pub columns: bool,
 
     /// Print one JSON object
     #[arg(long)]

@@ -50,6 +50,7 @@ pub use import::ImportArgs;
 pub use info::InfoArgs;
 pub use keep::{MergeArgs, ResumeArgs};
 pub use output::OutputArgs;
+pub use overlay::OverlayArgs;
 pub use pick::PickArgs;
 pub use plan::{Division, PlanArgs, PlanFormat};
 pub use render::RenderArgs;

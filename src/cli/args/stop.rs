@@ -36,8 +36,9 @@ pub struct StopArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(64..))]
     pub max_spp: u32,
 
-    /// Stop after this time, such as 30s, 5m or 1h, with at least 16 samples per pixel. Without
-    /// --spp, only the time decides. A resumed render has what is left of its time
+    /// Stop after this time, such as 30s, 5m or 1h, but not before each pixel has 16 samples, the
+    /// least that is a picture, however long they take. Without --spp, only the time decides. A
+    /// resumed render has what is left of its time
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
 }

@@ -8,7 +8,7 @@ use crate::material::Metal;
 use crate::math::DVec3;
 use crate::studio::{Background, MATERIALS, StudioOptions, Style};
 
-use super::values::{explained, one_of, positive};
+use super::values::{explained, one_of, positive, yes_or_no};
 
 /// How a particle file is framed and lit.
 #[derive(Args, Clone, Debug)]
@@ -40,8 +40,9 @@ pub struct StudioArgs {
     #[arg(long, value_name = "NAME", value_parser = material)]
     material: Option<String>,
 
-    /// Let the particles lie on a ground: true or false [default: that of the style]
-    #[arg(long, value_name = "BOOL")]
+    /// Let the particles lie on a ground: true or false, yes or no. Before a transparent
+    /// background, it shows only their shadow [default: that of the style]
+    #[arg(long, value_name = "BOOL", value_parser = one_of(yes_or_no()))]
     ground: Option<bool>,
 
     /// What is behind the particles: none (transparent), or a colour such as white or #102030
@@ -124,7 +125,8 @@ fn meaning(style: Style) -> &'static str {
 }
 
 fn view(text: &str) -> Result<Given<ViewDirection>, String> {
-    let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20";
+    let expected = "expected iso, an axis such as x or -y, or AZIMUTH,ELEVATION, such as -60,20, the \
+                    first up to 360 degrees and the second from -90 to 90";
     given(text, ViewDirection::parse(text), expected)
 }
 

@@ -34,9 +34,15 @@ pub fn one_of<T: Clone + Send + Sync + 'static>(
 ) -> impl TypedValueParser<Value = T> {
     let (names, values): (Vec<PossibleValue>, Vec<T>) = choices.into_iter().unzip();
     PossibleValuesParser::new(names.clone()).try_map(move |given| {
-        let place = names.iter().position(|name| name.get_name() == given);
+        let place = names.iter().position(|name| name.matches(&given, false));
         place.map(|place| values[place].clone()).ok_or("unknown name")
     })
+}
+
+/// Lists yes and no.
+pub fn yes_or_no() -> [(PossibleValue, bool); 2] {
+    let named = |name, also: [&'static str; 2]| PossibleValue::new(name).aliases(also);
+    [(named("true", ["yes", "on"]), true), (named("false", ["no", "off"]), false)]
 }
 
 /// Lists the names of all variants.

@@ -17,7 +17,7 @@ use crate::job::{
 use crate::overlay::OverlaySpec;
 use crate::scene::{ColumnLayers, Scene, SceneFile, SceneSource, Settings, read_text};
 
-use crate::studio::overlay_spec;
+use crate::studio::{overlay_spec, overlay_warnings};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -96,14 +96,15 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     let interrupt = interrupt::listen();
     let mut clock = Clock(Instant::now());
     let threads = (request.job.threads > 0).then_some(request.job.threads);
-    let Loaded { scene, settings, overlay, columns } = on_threads(threads, || load(request))?;
+    let Loaded { scene, settings, overlay, columns, mut warnings } =
+        on_threads(threads, || load(request))?;
     viewers.set_overlay(overlay.as_ref());
     outputs.set_overlay(overlay.clone());
     outputs.set_columns(columns);
     let load_s = clock.lap();
-    let mut about_scene = scene_warnings(&scene, &settings);
-    about_scene.extend(request.idle_build(&scene));
-    about_scene.iter().for_each(print::warning);
+    warnings.extend(scene_warnings(&scene, &settings));
+    warnings.extend(request.idle_build(&scene));
+    warnings.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, overlay, keep.as_ref(), &interrupt)?;
     let times = Times { load_s, build_s: session.build_seconds() };
@@ -117,7 +118,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
         interrupt: &interrupt,
         progress: &progress,
         times,
-        about_scene,
+        about_scene: warnings,
     };
     viewers.run_alongside(&session, &interrupt, |last_look| {
         let began = Instant::now();
@@ -135,6 +136,8 @@ struct Loaded {
     overlay: Option<OverlaySpec>,
     /// Columns of its particle file that are layers.
     columns: Option<ColumnLayers>,
+    /// What is probably a mistake in its files.
+    warnings: Vec<String>,
 }
 
 /// Loads the scene and its settings, if they fit into memory.
@@ -148,13 +151,14 @@ fn load(request: &RenderRequest) -> Result<Loaded> {
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     let OutputSpec { overlay, dpi, .. } = &request.delivery;
+    let warnings = [file.warnings(), overlay_warnings(overlay, &file)].concat();
     let overlay = overlay_spec(overlay, &file, *dpi);
     let columns = match &request.delivery.columns[..] {
         [] => None,
         names => Some(ColumnLayers::of_scene_file(&file, names)?),
     };
     let (scene, settings) = file.build()?;
-    Ok(Loaded { scene, settings, overlay, columns })
+    Ok(Loaded { scene, settings, overlay, columns, warnings })
 }
 
 /// Reads the scene, or makes one of a particle file.

@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use crate::error::Result;
+use crate::film::BLOCK_SIZE;
+use crate::job::eta::format_time_range;
 use crate::job::{ColorDifference, NoiseStatus, RunOutcome, Session, StopReason};
 
 use super::super::recorded_outputs::resume_command;
@@ -73,6 +76,14 @@ impl Report<'_> {
         text
     }
 
+    /// Says why the render took longer than its time.
+    fn told_of_time(&self) -> Option<String> {
+        let limit = self.session.job().until.time?;
+        let is_limited = self.reached.stop_reason == StopReason::TimeLimit;
+        let (least, _) = self.session.film().sample_count_range();
+        is_limited.then(|| overrun(limit, self.render_s, least)).flatten()
+    }
+
     fn outputs(&self) -> String {
         outputs::in_words(&outputs::paths(&self.request.delivery.files))
     }
@@ -107,6 +118,9 @@ impl Report<'_> {
                     ": most particles are smaller than a pixel, which mixes their colours"
                 ));
             }
+        }
+        if let Some(told) = self.told_of_time() {
+            line(format_args!("\n{told}"));
         }
         line(format_args!("\n{}", self.ending()));
         text
@@ -147,6 +161,19 @@ impl Report<'_> {
     }
 }
 
+/// Says that a time was too short for the least number of samples, `least` of each pixel.
+fn overrun(limit: Duration, taken_s: f64, least: u32) -> Option<String> {
+    // Of more samples, the last may have begun when the time was not yet up.
+    let is_over = least <= BLOCK_SIZE && taken_s > 1.1 * limit.as_secs_f64() + 0.5;
+    is_over.then(|| {
+        let limit = format_time_range(&(limit..limit));
+        format!(
+            "the {limit} of --time were up before each pixel had {least} samples, the least that \
+             is rendered: a smaller --size takes less"
+        )
+    })
+}
+
 fn noise_in_json(noise: NoiseStatus) -> Value {
     json!({
         "target": noise.target.error,
@@ -156,4 +183,19 @@ fn noise_in_json(noise: NoiseStatus) -> Value {
         "tiles_converged": noise.tiles_converged,
         "worst_error": noise.worst_error,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_that_was_too_short_is_explained() {
+        let minute = Duration::from_secs(60);
+        let told = overrun(minute, 200.0, 16).unwrap();
+        assert!(told.starts_with("the 60 s of --time were up before each pixel had 16 "), "{told}");
+        for (taken_s, least) in [(61.0, 16), (70.0, 32), (59.0, 8)] {
+            assert_eq!(overrun(minute, taken_s, least), None);
+        }
+    }
 }

@@ -25,6 +25,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 use super::format::FileFormat;
+use super::png_depth::PngDepth;
 
 pub use image::Image;
 pub use layered::{BEAUTY, ImageLayer, LayeredImage};
@@ -53,6 +54,14 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
     let count = layered.width * layered.height;
     debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
     Ok(layered)
+}
+
+/// Reads how finely a .png file stores its values.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_png_depth(path: &Path) -> Result<PngDepth> {
+    png::read_depth(path).map_err(|reason| Error::file("read", path, reason))
 }
 
 /// Reads all channels of a `.exr` file.

@@ -7,6 +7,7 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, Limits};
 
 use crate::color::{Rgb, linear_from_srgb};
+use crate::image_io::png_depth::PngDepth;
 
 use super::layered::{BEAUTY, ImageLayer, LayeredImage};
 use super::limits::{self, Announced, DEFLATE_RATIO};
@@ -29,6 +30,18 @@ pub(super) fn read(path: &Path) -> Result<LayeredImage, String> {
         layers.push(ImageLayer { name: "alpha".to_owned(), pixels });
     }
     Ok(LayeredImage { width, height, layers, is_display_referred: true })
+}
+
+/// Reads how finely the file stores its values: fewer than 16 bits are 8.
+pub(super) fn read_depth(path: &Path) -> Result<PngDepth, String> {
+    let (file, _) = limits::open(path)?;
+    let extra = png::Limits { bytes: MAX_EXTRA_BYTES };
+    let mut header = png::Decoder::new_with_limits(BufReader::new(file), extra);
+    let header = header.read_header_info().map_err(|e| e.to_string())?;
+    Ok(match header.bit_depth {
+        png::BitDepth::Sixteen => PngDepth::Sixteen,
+        _ => PngDepth::Eight,
+    })
 }
 
 pub(super) fn decode(path: &Path) -> Result<DynamicImage, String> {

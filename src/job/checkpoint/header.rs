@@ -14,7 +14,7 @@ use crate::overlay::OverlayChoice;
 use crate::scene::SceneSource;
 
 use super::super::metadata::Metadata;
-use super::super::outcome::NoiseStatus;
+use super::super::noise_status::NoiseStatus;
 use super::super::samples::TileSampleCounts;
 use super::super::spec::Job;
 use super::hashing::HashingStream;

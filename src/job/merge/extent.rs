@@ -147,6 +147,8 @@ impl MergedExtent {
             seconds: total(inputs, |header| header.statistics.seconds),
             threads: 1,
             error: estimate_error(sum, &StopCriteria::default().reported_target()),
+            // Nobody has looked at the tiles of the sum.
+            missed: None,
             command,
             ..first_run
         });

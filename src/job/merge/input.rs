@@ -10,7 +10,7 @@ use crate::scene::Scene;
 
 use super::super::checkpoint::{Checkpoint, CheckpointHeader, RenderStatus};
 use super::super::metadata::Metadata;
-use super::super::outcome::NoiseStatus;
+use super::super::noise_status::NoiseStatus;
 use super::super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// A partial render to be merged.

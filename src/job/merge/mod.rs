@@ -17,7 +17,7 @@ use crate::scene::PreparedScene;
 use super::aovs::{develop, develop_without_scene, needs_scene};
 use super::checkpoint::{Checkpoint, CheckpointHeader, write_checkpoint};
 use super::metadata::Metadata;
-use super::outcome::NoiseStatus;
+use super::noise_status::NoiseStatus;
 
 use extent::MergedExtent;
 use input::MergeInput;

@@ -8,7 +8,7 @@ use crate::particles::model::{Cell, LengthUnit};
 use crate::particles::text::{
     Batch, Field, FieldUse, Fields, Input, Kind, LineParser, float, integer, tokens,
 };
-use crate::particles::trouble::{Outcome, Trouble, shown};
+use crate::particles::trouble::{Outcome, Trouble, plural, shown};
 
 /// Bytes before the coordinates: residue number, residue name, atom name, atom number, five each.
 const NAMES_WIDTH: usize = 20;
@@ -53,6 +53,7 @@ impl FrameFormat for Gro {
             time: time_of(&title),
             title: Some(title.trim().to_owned()).filter(|title| !title.is_empty()),
             unit: Some(LengthUnit::Nanometre),
+            count_line: line,
             variant: width,
             ..FrameHead::default()
         }))
@@ -76,7 +77,9 @@ impl FrameFormat for Gro {
             _ => {
                 let message =
                     format!("expected a box of 3 or 9 numbers, found {}", shown(line.as_bytes()));
-                return Err(Trouble::at(input.line_number() - 1, message).into());
+                let counted = plural(head.count, "atom");
+                let help = format!("line {} counts {counted}: are there more?", head.count_line);
+                return Err(Trouble::at(input.line_number() - 1, message).with_help(help).into());
             }
         };
         let is_empty = vectors.iter().all(|vector| *vector == DVec3::ZERO);

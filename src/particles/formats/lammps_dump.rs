@@ -10,7 +10,7 @@ use crate::particles::model::Cell;
 use crate::particles::text::{
     Batch, Field, FieldUse, Fields, Input, Kind, LineParser, SpacedRows, float, integer, tokens,
 };
-use crate::particles::trouble::{Outcome, Trouble, plural, shown};
+use crate::particles::trouble::{Outcome, Trouble, plural, shown, uncounted};
 
 /// The names of coordinates, in order of preference, and true for scaled ones.
 const CONVENTIONS: [([&str; 3], bool); 4] = [
@@ -65,7 +65,10 @@ impl FrameFormat for LammpsDump {
                 ["UNITS"] => {
                     input.expect_line("the name of the units")?;
                 }
-                ["NUMBER", "OF", "ATOMS"] => count = Some(count_of(input)?),
+                ["NUMBER", "OF", "ATOMS"] => {
+                    count = Some(count_of(input)?);
+                    head.count_line = input.line_number() - 1;
+                }
                 ["BOX", "BOUNDS", ref labels @ ..] => head.cell = Some(read_box(input, labels)?),
                 ["ATOMS", ref names @ ..] => {
                     let Some(count) = count else {
@@ -90,6 +93,14 @@ impl FrameFormat for LammpsDump {
                 }
             }
         }
+    }
+
+    fn check_end(&self, input: &mut Input, head: &FrameHead) -> Outcome<()> {
+        let is_item = |line: &[u8]| line.starts_with(b"ITEM:");
+        let next = input.peek_filled_line()?.filter(|line| !is_item(line)).map(<[u8]>::to_vec);
+        let Some(next) = next else { return Ok(()) };
+        let counted = format!("line {} counts {}", head.count_line, plural(head.count, "atom"));
+        Err(uncounted(input.line_number(), "`ITEM: ...` or the end of the file", &next, &counted))
     }
 
     fn parser(&self, _: &FrameHead, fields: &Fields) -> Box<dyn LineParser> {

@@ -13,7 +13,7 @@ use crate::particles::model::Particles;
 use crate::particles::request::{ReadRequest, Survey};
 use crate::particles::source::Source;
 use crate::particles::text::{Batch, Field, Fields, Input, Kind, Section, SpacedRows, read_rows};
-use crate::particles::trouble::{Outcome, Trouble, plural, shown};
+use crate::particles::trouble::{Outcome, Trouble, plural, shown, uncounted};
 
 use super::splats;
 
@@ -81,6 +81,14 @@ pub(in crate::particles) fn read(source: Source, request: &ReadRequest) -> Outco
                 let expected = plural(vertex.count, "line");
                 let message = format!("expected {expected} with vertices, found {lines}");
                 return Err(Trouble::at(input.line_number(), message).into());
+            }
+            let is_last = at + 1 == header.elements.len();
+            let next = input.peek_filled_line()?.filter(|_| is_last).map(<[u8]>::to_vec);
+            if let Some(next) = next {
+                let what = if vertex.count == 1 { "vertex" } else { "vertices" };
+                let counted = format!("the header counts {} {what}", vertex.count);
+                let (line, expected) = (input.line_number(), "the end of the file");
+                return Err(uncounted(line, expected, &next, &counted));
             }
             let (positions, columns) = batch.finish(fields.names());
             (positions, columns, Some(first_line))

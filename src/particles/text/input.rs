@@ -85,6 +85,14 @@ impl Input {
         Ok(self.find_line()?.map(|end| trimmed(&self.buffer[self.start..end])))
     }
 
+    /// Moves past empty lines; returns the line behind them, which stays the next one.
+    pub(in crate::particles) fn peek_filled_line(&mut self) -> Outcome<Option<&[u8]>> {
+        while self.peek_line()?.is_some_and(|line| line.trim_ascii().is_empty()) {
+            self.next_line()?;
+        }
+        self.peek_line()
+    }
+
     /// The next line without its end; `None` after the last one.
     pub(in crate::particles) fn next_line(&mut self) -> Outcome<Option<String>> {
         let Some(end) = self.find_line()? else { return Ok(None) };

@@ -49,13 +49,14 @@ pub(super) fn of_camera(camera: &CameraDescription, scene: &SceneDescription) ->
 }
 
 fn set_fit(fit: &CameraFit, section: &mut Section) {
-    let CameraFit { direction, margin } = fit;
+    let CameraFit { direction, margin, right_margin } = fit;
     section.set(&keys::FIT, true);
     match direction {
         ViewDirection::Towards(vector) => section.set(&keys::DIRECTION, vector),
         named => section.set(&keys::DIRECTION, named.to_string()),
     }
     section.set(&keys::MARGIN, margin);
+    section.set_if_given(&keys::RIGHT_MARGIN, right_margin.as_ref());
 }
 
 fn set_focus(target: &FocusTarget, scene: &SceneDescription, section: &mut Section) {

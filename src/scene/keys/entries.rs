@@ -51,6 +51,7 @@ pub(in crate::scene) mod camera {
         FIT: Boolean = key("fit", Boolean, Toml("false"), "places the camera so that it sees all that the scene shows, as large as fits");
         DIRECTION: DirectionValue = key("direction", DirectionValue, Derived("iso"), "with fit: from where the camera looks");
         MARGIN: Number = key("margin", Number(NumberRange::Closed(0.0, 0.49)), Derived("0.05"), "with fit: the share of the picture that stays free on each side");
+        RIGHT_MARGIN: Number = key("right_margin", Number(NumberRange::Closed(0.0, 0.49)), Derived("margin, and room for a colour bar or legend of particles"), "with fit: the share of the width that stays free at the right");
         POSITION: Vector = key("position", COORDINATE_VECTOR, UNLESS_FITTED, "the centre of the lens or, for parallel rays, of the image plane");
         LOOK_AT: Vector = key("look_at", COORDINATE_VECTOR, UNLESS_FITTED, "the point in the middle of the picture");
         UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction that points up in the picture, of any length");

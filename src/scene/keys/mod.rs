@@ -20,6 +20,8 @@ pub(super) use entries::{camera, image, light, root, sphere, table};
 pub(super) use key::{Key, KeyVisitor};
 pub(super) use limits::{MAX_RADIANCE, MIN_RADIUS};
 
+pub(super) use sections::is_list;
+
 use key::{DynKey, TableSchema};
 
 /// The keys that only other types of a table have than this one: of `camera` or `materials.NAME`.

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::key::DefaultValue::Required;
 use super::key::{DynKey, TableSchema};
-use super::sections::tables;
+use super::sections::{is_list, tables};
 
 /// The JSON schema of scene files, for editors.
 pub fn schema() -> Value {
@@ -48,7 +48,7 @@ impl SchemaNode {
         add(section.keys, &mut shared, &mut required);
         for (name, table) in &self.tables {
             let schema = table.schema();
-            let is_list = matches!(*name, "spheres" | "sphere_tables" | "particles");
+            let is_list = is_list(name);
             let schema = match is_list {
                 true => json!({ "type": "array", "items": schema }),
                 false => schema,

@@ -27,6 +27,11 @@ const BEFORE_BACKGROUND: &[TableSchema] = &[
     untyped_table("light", "light by name, in place of a background", light::ALL),
 ];
 
+/// Returns true if a scene has a list of tables of this name.
+pub(in crate::scene) fn is_list(name: &str) -> bool {
+    matches!(name, "spheres" | "sphere_tables" | "particles")
+}
+
 const AFTER_BACKGROUND: &[TableSchema] = &[
     TableSchema {
         path: "materials.NAME",

@@ -127,15 +127,17 @@ impl<'d> Table<'d> {
         None
     }
 
-    /// A required table.
+    /// A required table; `help` says what to do without it.
     pub(super) fn section<T: Default>(
         &self,
         key: &'static str,
+        help: Option<&str>,
         read: impl FnOnce(&Table<'d>) -> T,
     ) -> T {
         if self.node(key).is_none() {
             let message = format!("`[{}]` is missing", self.path_to(key));
-            self.diagnostics.add(SpannedError::absence(self.span.clone(), message));
+            let help = help.map(str::to_owned);
+            self.diagnostics.add(SpannedError::absence(self.span.clone(), message).help(help));
             self.mark_invalid(key);
             return T::default();
         }

@@ -116,8 +116,9 @@ pub fn read_text(
     read_from(name, text, folder, overrides, Vec::new())
 }
 
-/// Reads a scene from `text` like [`read_text`], but takes the particles from an earlier scene
-/// whose tables are the same.
+/// Reads the scene that was made of the particle file `name` like [`read_text`], but takes the
+/// particles from an earlier scene whose tables are the same. Messages say that nobody has seen its
+/// text yet.
 ///
 /// # Errors
 /// As for [`read_file`].
@@ -129,7 +130,9 @@ pub fn read_text_reusing(
     earlier: SceneFile,
 ) -> Result<SceneFile> {
     let folder = SceneFolder { named: folder, linked: None };
-    read_from(name, text, folder, overrides, earlier.import_plan.tables)
+    let shown = format!("the scene that `import` writes of {name}");
+    let report = Diagnostics::new(&shown, text);
+    read_with(report, name, text, folder, overrides, earlier.import_plan.tables)
 }
 
 /// Reads a scene from `text` like [`read_text`], but takes its tables from `inputs` and not from
@@ -184,7 +187,17 @@ fn read_from(
     overrides: &[Override],
     earlier: Vec<TablePlan>,
 ) -> Result<SceneFile> {
-    let mut report = Diagnostics::new(name, text);
+    read_with(Diagnostics::new(name, text), name, text, folder, overrides, earlier)
+}
+
+fn read_with(
+    mut report: Diagnostics,
+    name: &str,
+    text: &str,
+    folder: SceneFolder<'_>,
+    overrides: &[Override],
+    earlier: Vec<TablePlan>,
+) -> Result<SceneFile> {
     let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
     let places = ErrorLocator { diagnostics: report, overrides: options };
     let (description, settings, survey, notes) = {
@@ -203,6 +216,10 @@ fn read_from(
         let survey = ImportPlan::scan_with(&mut description, earlier, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
+        let drawn = survey.tables.iter().find_map(|table| table.particles.as_ref());
+        if let (Some(fit), Some(drawn)) = (&mut description.camera.fit, drawn) {
+            fit.leave_room_for(&drawn.look.legend);
+        }
         (description, settings, survey, notes)
     };
     check_count(survey.sphere_count(&description))?;
@@ -241,6 +258,11 @@ impl SceneFile {
     pub fn particles(&self) -> impl Iterator<Item = LoadedParticles<'_>> {
         let planned = self.import_plan.tables.iter().filter_map(|plan| plan.particles.as_ref());
         planned.map(|planned| LoadedParticles::new(&planned.arrays, &planned.look))
+    }
+
+    /// What is probably a mistake in the particle files.
+    pub fn warnings(&self) -> Vec<String> {
+        self.particles().flat_map(|particles| particles.look.warnings.iter().cloned()).collect()
     }
 
     /// For each table, which rows of a particle file its rows show; `None` for other tables.

@@ -8,7 +8,7 @@ use std::fmt;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::names::did_you_mean;
-use crate::scene::keys::of_other_types;
+use crate::scene::keys::{is_list, of_other_types};
 use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
@@ -153,6 +153,11 @@ impl ParsedOverride {
         let node = match place {
             Container::List(list) => self.entry(list, parents, step)?,
             Container::Table(table) => {
+                if parents.is_empty() && is_list(&step.name) && !table.contains_key(&*step.name) {
+                    let message =
+                        format!("the scene has no `[[{}]]` whose keys could be set", step.name);
+                    return Err(self.error(message));
+                }
                 // A partial material would only be reported for its missing keys.
                 if matches!(parents, [only] if only.name == "materials") {
                     self.require_material(table, step)?;
@@ -209,7 +214,8 @@ impl ParsedOverride {
         match *named {
             [index] => Ok(index),
             [] => {
-                let help = did_you_mean(name, list.iter().filter_map(name_of));
+                let names = || list.iter().filter_map(name_of);
+                let help = did_you_mean(name, names()).or_else(|| known(names(), list.len()));
                 Err(self.error(format!("no entry of `{path}` is named {name:?}")).help(help))
             }
             [first, ..] => {
@@ -291,6 +297,21 @@ fn other_types(way: &[KeySegment], name: &str) -> Vec<&'static str> {
         [first, _] if first.name == "materials" => of_other_types("materials.NAME", name),
         _ => Vec::new(),
     }
+}
+
+/// Says which entries there are.
+fn known<'n>(names: impl Iterator<Item = &'n str>, count: usize) -> Option<String> {
+    const MOST: usize = 8;
+    let mut names: Vec<String> = names.take(MOST + 1).map(|name| format!("{name:?}")).collect();
+    if names.len() > MOST {
+        names[MOST] = "...".to_owned();
+    }
+    let last = count.checked_sub(1)?;
+    let numbers = format!("each has a number, from 0 to {last}");
+    Some(match names.is_empty() {
+        true => numbers,
+        false => format!("named are {}; {numbers}", names.join(", ")),
+    })
 }
 
 /// Removes those of the keys that the file has; returns them.

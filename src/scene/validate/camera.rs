@@ -36,9 +36,12 @@ pub(super) fn check_camera(scene: &SceneDescription, problems: &mut ValidationEr
             problems.check(&at, &keys::panoramic::VERTICAL, vertical_degrees);
         }
     }
-    if let Some(CameraFit { direction, margin }) = fit {
+    if let Some(CameraFit { direction, margin, right_margin }) = fit {
         problems.check(&at, &keys::DIRECTION, direction);
         problems.check(&at, &keys::MARGIN, margin);
+        if let Some(margin) = right_margin {
+            problems.check(&at, &keys::RIGHT_MARGIN, margin);
+        }
     }
     check_axes(&at, camera, problems);
     if let Some(target) = focus_target {

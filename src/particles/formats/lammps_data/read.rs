@@ -11,7 +11,7 @@ use crate::particles::text::{
     Batch, Field, FieldUse, Fields, Input, Kind, LineParser, MarkedRow, Section, Separator,
     SpacedRows, Words, integer, read_rows,
 };
-use crate::particles::trouble::{Outcome, Trouble, plural};
+use crate::particles::trouble::{Outcome, Trouble, plural, uncounted};
 
 use super::head::{Head, read_head, values};
 use super::style;
@@ -44,6 +44,16 @@ pub(in crate::particles) fn read(source: Source, request: &ReadRequest) -> Outco
         let expected = plural(head.count, "atom");
         let message = format!("expected {expected}, found {lines} and the end of the file");
         return Err(Trouble::at(input.line_number(), message).into());
+    }
+    let is_row = |line: &[u8]| line.trim_ascii_start().first().is_some_and(u8::is_ascii_digit);
+    if let Some(next) = input.peek_filled_line()?.filter(|line| is_row(line)).map(<[u8]>::to_vec) {
+        let counted = format!("the header counts {}", plural(head.count, "atom"));
+        return Err(uncounted(
+            input.line_number(),
+            "the name of a section or the end",
+            &next,
+            &counted,
+        ));
     }
     let (positions, mut columns) = batch.finish(fields.names());
     let kinds = columns.iter().find(|column| column.name == "type");

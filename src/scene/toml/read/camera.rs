@@ -70,7 +70,12 @@ fn read_fit(table: &Table<'_>) -> Option<CameraFit> {
     let is_fitted = table.get(&keys::FIT).unwrap_or(false);
     let direction = table.get(&keys::DIRECTION);
     let margin = table.get(&keys::MARGIN);
-    let given = [("direction", direction.is_some()), ("margin", margin.is_some())];
+    let right_margin = table.get(&keys::RIGHT_MARGIN);
+    let given = [
+        ("direction", direction.is_some()),
+        ("margin", margin.is_some()),
+        ("right_margin", right_margin.is_some()),
+    ];
     for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given && !is_fitted) {
         let message = format!("`camera.{key}` is of use only with `fit = true`");
         table.error_at(key, message, "add `fit = true`, or remove it".to_owned());
@@ -78,6 +83,7 @@ fn read_fit(table: &Table<'_>) -> Option<CameraFit> {
     is_fitted.then_some(CameraFit {
         direction: direction.unwrap_or(ViewDirection::ISO),
         margin: margin.unwrap_or(0.05),
+        right_margin,
     })
 }
 

@@ -52,7 +52,9 @@ pub(super) fn read(
         require_spheres(root);
         let table_names: Vec<String> =
             (0..tables.len()).map(|index| name_of_table(&tables, index)).collect();
-        let camera = root.section("camera", |table| camera::read(table, &spheres, &table_names));
+        let camera = root.section("camera", Some(NO_CAMERA), |table| {
+            camera::read(table, &spheres, &table_names)
+        });
         let light = root.section_if_present("light", |table| background::read_light(table, root));
         if let Some((preset, strength)) = light.flatten() {
             preset.light(&mut background, camera.direction_to_camera(), strength);
@@ -174,6 +176,10 @@ fn read_columns(table: &Table<'_>, has_file: bool) -> Vec<FileColumn> {
     };
     columns.unwrap_or_else(usual)
 }
+
+/// What to do without a camera.
+const NO_CAMERA: &str = "add `[camera]` with `fit = true`, which shows all that the scene has, or with \
+                         position and look_at";
 
 fn require_spheres(root: &Table<'_>) {
     if ["spheres", "sphere_tables", "particles"].iter().all(|list| root.is_empty_list(list)) {
