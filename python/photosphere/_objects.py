@@ -301,6 +301,8 @@ class Camera(_Table):
             degrees, or three numbers [default: "iso"].
         margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
             [default: 0.05].
+        right_margin: With `fit`, that of the right side [default: `margin`, and room for the colour
+            bar or the legend of particles].
     """
 
     position: Vector | None = None
@@ -319,6 +321,7 @@ class Camera(_Table):
     fit: bool | None = None
     direction: str | Vector | None = None
     margin: float | None = None
+    right_margin: float | None = None
 
 
 def ThinLens(
@@ -346,12 +349,7 @@ class Orthographic(_Table):
         height: The height of the visible area [default: what 36 degrees show at `look_at`].
         up: The direction that points up in the picture [default: as for `Camera`].
         near: Rays ignore what is nearer than this [default: 0].
-        fit: Places the camera so that it sees all that the scene shows; then without `position` and
-            `look_at` [default: False].
-        direction: With `fit`, from where: "iso", an axis such as "-y", "AZIMUTH,ELEVATION" in
-            degrees, or three numbers [default: "iso"].
-        margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
-            [default: 0.05].
+        fit, direction, margin, right_margin: As for `Camera`.
     """
 
     position: Vector | None = None
@@ -362,6 +360,7 @@ class Orthographic(_Table):
     fit: bool | None = None
     direction: str | Vector | None = None
     margin: float | None = None
+    right_margin: float | None = None
     _type = "orthographic"
 
 
@@ -376,12 +375,7 @@ class Panoramic(_Table):
         near: Rays ignore what is nearer than this [default: 0].
         horizontal_extent_degrees: Above 0, at most 360 [default: 360].
         vertical_extent_degrees: Above 0, at most 180 [default: 180].
-        fit: Places the camera so that it sees all that the scene shows; then without `position` and
-            `look_at` [default: False].
-        direction: With `fit`, from where: "iso", an axis such as "-y", "AZIMUTH,ELEVATION" in
-            degrees, or three numbers [default: "iso"].
-        margin: With `fit`, the share of the picture that stays free on each side, 0 to 0.49
-            [default: 0.05].
+        fit, direction, margin, right_margin: As for `Camera`.
     """
 
     position: Vector | None = None
@@ -393,6 +387,7 @@ class Panoramic(_Table):
     fit: bool | None = None
     direction: str | Vector | None = None
     margin: float | None = None
+    right_margin: float | None = None
     _type = "panoramic"
 
 

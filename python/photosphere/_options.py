@@ -170,7 +170,7 @@ def split(
     words: list[str] = []
     changes: list[tuple[str, str]] = []
     for name, given in options.items():
-        if given is None or name in ("output", "preview"):
+        if given is None or name in ("output", "preview", "preview_every"):
             continue
         if name == "camera":
             from ._objects import camera_table

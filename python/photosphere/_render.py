@@ -51,6 +51,8 @@ class Render:
         _check_output(options.get("output"))
         if options.get("denoise") is True:
             _core.check_denoiser(denoiser_package())
+        if options.get("preview_every") is not None and options.get("preview") is None:
+            raise TypeError("preview_every: there is no preview: preview=\"a.png\"")
         checkpoint = options.get("checkpoint")
         if checkpoint is not None:
             _scenes[os.path.abspath(checkpoint)] = scene

@@ -87,3 +87,8 @@ def test_a_wrong_value_is_an_error_with_the_keyword(scene: ps.Scene) -> None:
     assert "--" not in str(caught.value)
     with pytest.raises(ps.Error, match="colour map|colormap"):
         ps.read(__file__, input_format="csv").scene(colormap="viridisx").render()
+
+
+def test_a_time_between_previews_needs_a_preview(scene: ps.Scene) -> None:
+    with pytest.raises(TypeError, match="preview_every: there is no preview"):
+        scene.render(8, 6, spp=1, preview_every=1)

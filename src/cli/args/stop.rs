@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use crate::color::ViewTransform;
 use crate::job::{NoiseTarget, Quality, StopCriteria, UNLIMITED_SAMPLES};
@@ -45,6 +45,7 @@ pub struct StopArgs {
 
 /// Who looks on.
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("viewer").multiple(true))]
 pub struct WatchArgs {
     /// Update this .png file with the picture so far
     #[arg(long, value_name = "FILE", group = "viewer")]
