@@ -21,8 +21,11 @@ has_packages && exit 0
 for system in python3 python; do
     command -v "$system" >/dev/null || continue
     echo "Making a Python with ${packages[*]} in $folder"
-    "$system" -m venv "$folder" &&
-        "$python" -m pip --quiet --disable-pip-version-check install "${packages[@]}"
+    "$system" -m venv "$folder" || break
+    # One by one: not every system has all of them.
+    for package in "${packages[@]}"; do
+        "$python" -m pip --quiet --disable-pip-version-check install "$package"
+    done
     break
 done
 has_packages || echo "Going on without ${packages[*]}: tests that need them will skip."
