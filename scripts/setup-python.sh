@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes a Python in target/python with packages of others that read our files, run our plans and
-# denoise our pictures, for the tests that need them. Those tests skip without it, so failing to make it is no error.
+# denoise our pictures, for the tests that need them. Those tests skip without it, so failing to make
+# it is no error.
 #
 #   scripts/setup-python.sh
 set -uo pipefail
