@@ -253,7 +253,7 @@ check_dependencies() {
     local deny=("$cargo" deny --locked --workspace --all-features)
     "${deny[@]}" check licenses bans sources
     if "${deny[@]}" fetch db; then
-        "${deny[@]}" check --disable-fetch advisories
+        "${deny[@]}" --offline check advisories
     else
         echo "Advisories are NOT checked: their database cannot be downloaded." >&2
     fi
