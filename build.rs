@@ -79,7 +79,10 @@ mod embree {
             let (kind, message, end) = match self {
                 Self::Missing(message) => (
                     "warning",
-                    format!("Built without Embree: {message} The intersector `native` needs none."),
+                    format!(
+                        "Built without the intersectors of Embree: {message}\n\
+                        `native` renders the same pictures, faster. To have Embree's, too:"
+                    ),
                     "Then touch build.rs and build again.",
                 ),
                 Self::Broken(message) => (

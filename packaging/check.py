@@ -6,6 +6,7 @@ is built.
 """
 
 import pathlib
+import sys
 
 import dockerfile
 import rattler_build
@@ -28,21 +29,23 @@ def check_conda():
 def check_docker():
     steps = {step.cmd: step.value for step in dockerfile.parse_file(str(HERE / "Dockerfile"))}
     assert steps["ENTRYPOINT"] == ("photosphere",), steps["ENTRYPOINT"]
-    assert is_in_tarball(steps["COPY"][0]), steps["COPY"]
+    check_in_tarball(steps["COPY"][0])
     print("Docker:", steps)
 
 
 def check_apptainer():
     (recipe,) = get_parser("singularity")(str(HERE / "photosphere.def")).recipe.values()
     assert 'exec photosphere "$@"' in recipe.cmd, recipe.cmd
-    assert all(is_in_tarball(line.split()[0]) for line in recipe.files), recipe.files
+    for line in recipe.files:
+        check_in_tarball(line.split()[0])
     print("Apptainer:", recipe.fromHeader, recipe.files, recipe.install, recipe.cmd)
 
 
-def is_in_tarball(pattern):
-    """Whether the pattern is one folder of target/packages, or all in it, with the program."""
+def check_in_tarball(pattern):
+    """Exits unless the pattern is one folder of target/packages, or all in it, with the program."""
     folders = list(PACKAGES.glob(pattern.removesuffix("/*")))
-    return len(folders) == 1 and (folders[0] / "bin/photosphere").is_file()
+    if len(folders) != 1 or not (folders[0] / "bin/photosphere").is_file():
+        sys.exit(f"{pattern} is not one folder with the program: run scripts/package.sh tarball")
 
 
 check_conda()

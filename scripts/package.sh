@@ -166,7 +166,7 @@ make_tarball() {
 make_deb() {
     scripts/setup.sh git
     find_rust
-    "$cargo" build --release --locked
+    "$cargo" build --profile ship --locked
     local release name stage=target/deb
     # shellcheck source=/dev/null
     release=$(. /etc/os-release && echo "$ID${VERSION_ID:-$VERSION_CODENAME}")
@@ -232,7 +232,7 @@ make_deb_in_root() {
     share "${CARGO_HOME:-$home/.cargo}/registry" /root/.cargo/registry
     share "$(realpath "$target")" /photosphere/target
     try "PATH=$rust/bin:\$PATH scripts/package.sh deb"
-    cp "$target"/packages/*.deb "$packages/"
+    ((failed > 0)) || cp "$target"/packages/*.deb "$packages/"
     print_summary
 }
 
@@ -253,7 +253,7 @@ check_dependencies() {
     local deny=("$cargo" deny --locked --workspace --all-features)
     "${deny[@]}" check licenses bans sources
     if "${deny[@]}" fetch db; then
-        "${deny[@]}" check --disable-fetch advisories
+        "${deny[@]}" --offline check advisories
     else
         echo "Advisories are NOT checked: their database cannot be downloaded." >&2
     fi

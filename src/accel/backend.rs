@@ -76,7 +76,10 @@ impl Backend {
             #[cfg(not(has_embree))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
-                    .with_help("build with the default features, or choose another intersector")
+                    .with_help(
+                        "build with Embree's headers, libclang and the feature `embree`, or choose \
+                         another intersector",
+                    )
                     .with_suggestion(crate::error::Suggestion::Intersector, "native"))
             }
         }

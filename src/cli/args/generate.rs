@@ -47,7 +47,8 @@ pub struct GenerateArgs {
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = seed())]
     pub seed: u64,
 
-    /// Threads to use [default: all cores]; the table does not depend on it
+    /// Threads to use [default: all cores that affinity and CPU quota allow];
+    /// the table does not depend on it
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<usize>,
 }

@@ -44,7 +44,7 @@ pub struct ReproduceArgs {
     #[command(flatten)]
     pub memory: MemoryArg,
 
-    /// Threads to use [default: all cores]
+    /// Threads to use [default: all cores that affinity and CPU quota allow]
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<usize>,
 

@@ -26,7 +26,8 @@ pub struct SceneOptions {
     #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
     set: Vec<Override>,
 
-    /// Threads to use [default: all cores]; pictures do not depend on it
+    /// Threads to use [default: all cores that affinity and CPU quota allow];
+    /// pictures do not depend on it
     #[arg(long, value_name = "T", value_parser = threads())]
     threads: Option<usize>,
 }

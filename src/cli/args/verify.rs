@@ -57,7 +57,8 @@ pub struct VerifyArgs {
     #[arg(long, conflicts_with_all = ["report", "json"])]
     pub list: bool,
 
-    /// Threads to use [default: all cores]; the result does not depend on it
+    /// Threads to use [default: all cores that affinity and CPU quota allow];
+    /// the result does not depend on it
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<usize>,
 
