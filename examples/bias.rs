@@ -1,9 +1,9 @@
 //! What each of the paper's shortcuts costs: its bias, its variance, its rays and its time against
 //! the default; and its bias against the paper's estimator without any, whose noise it shares.
 //!
-//! Figure 2, 8 x 6 pixels, 32 independent seeds of 25600 samples per pixel or as many as are named, an
-//! eighth of that for the row that is drawn again on a miss. Prints the table of `docs/paper.md`; 6400
-//! samples take some minutes of two idle cores:
+//! Figure 2, 8 x 6 pixels, 32 independent seeds of 25600 samples per pixel or as many as are named,
+//! an eighth of that for the row that is drawn again on a miss. 6400 samples take some minutes of
+//! two idle cores. Prints the table of `docs/paper.md`:
 //!
 //!     cargo run --release --example bias -- 6400
 
