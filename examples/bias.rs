@@ -1,10 +1,11 @@
 //! What each of the paper's shortcuts costs: its bias, its variance, its rays and its time against
 //! the default; and its bias against the paper's estimator without any, whose noise it shares.
 //!
-//! Figure 2, 8 x 6 pixels, 819200 samples per pixel in 32 independent seeds, an eighth of that for
-//! the row that is drawn again on a miss. Takes some minutes. Prints the table of `docs/paper.md`:
+//! Figure 2, 8 x 6 pixels, 32 independent seeds of 25600 samples per pixel or as many as are named,
+//! an eighth of that for the row that is drawn again on a miss. 6400 samples take some minutes of
+//! two idle cores. Prints the table of `docs/paper.md`:
 //!
-//!     cargo run --release --example bias
+//!     cargo run --release --example bias -- 6400
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
@@ -20,6 +21,7 @@ use photosphere::scene::{Override, PreparedScene, read_file};
 use photosphere::verify::statistics::MeanEstimate;
 
 const SEEDS: u64 = 32;
+/// Samples of a pixel and seed, if the command line names none.
 const SAMPLES: u32 = 25600;
 
 /// How many times fewer samples the row gets whose every sample is a thousand in an empty pixel.
@@ -61,15 +63,20 @@ const ROWS: [(&str, &[&str]); 14] = [
 struct Row {
     name: &'static str,
     keys: &'static [&'static str],
+    /// Samples of a pixel and seed.
+    samples: u32,
     pictures: Vec<Picture>,
     rays: u64,
     seconds: Vec<f64>,
 }
 
 fn main() -> Result<()> {
+    let named = std::env::args().nth(1).map(|text| text.parse().expect("a number of samples"));
+    let samples: u32 = named.unwrap_or(SAMPLES).max(FEWER);
     let empty = |&(name, keys): &(&'static str, &'static [&'static str])| Row {
         name,
         keys,
+        samples: if keys.contains(&REDRAWS) { samples / FEWER } else { samples },
         pictures: Vec::new(),
         rays: 0,
         seconds: Vec::new(),
@@ -79,7 +86,7 @@ fn main() -> Result<()> {
     for seed in 0..SEEDS {
         for row in &mut rows {
             let began = Instant::now();
-            let RenderedImage { picture, rays, .. } = outcome(row.keys, seed)?;
+            let RenderedImage { picture, rays, .. } = outcome(row.keys, row.samples, seed)?;
             row.seconds.push(began.elapsed().as_secs_f64());
             row.pictures.push(picture);
             row.rays += rays;
@@ -129,12 +136,8 @@ impl Row {
         format!("{:+.digits$} +- {margin:.digits$} %", percent * difference.mean)
     }
 
-    fn samples(&self) -> u32 {
-        samples(self.keys)
-    }
-
     fn per_sample(&self, figure: f64) -> f64 {
-        figure / f64::from(self.samples())
+        figure / f64::from(self.samples)
     }
 
     /// The variance of one sample, averaged over pixels and channels.
@@ -145,7 +148,7 @@ impl Row {
         let count = 3 * self.pictures[0].len();
         let of_mean = |i: usize| MeanEstimate::from_values(&values(i)).standard_error.powi(2);
         let mean = (0..count).map(of_mean).sum::<f64>() / count as f64;
-        mean * SEEDS as f64 * f64::from(self.samples())
+        mean * SEEDS as f64 * f64::from(self.samples)
     }
 
     /// The median over the seeds of the time over the default's, for equal samples.
@@ -157,13 +160,8 @@ impl Row {
     }
 }
 
-/// Samples of a pixel and seed.
-fn samples(keys: &[&str]) -> u32 {
-    if keys.contains(&REDRAWS) { SAMPLES / FEWER } else { SAMPLES }
-}
-
 /// Figure 2 with these keys of `[render]`, in 8 x 6 pixels with independent random numbers.
-fn outcome(keys: &[&str], seed: u64) -> Result<RenderedImage> {
+fn outcome(keys: &[&str], samples: u32, seed: u64) -> Result<RenderedImage> {
     let set = |pair: &str| {
         let (key, value) = pair.split_once('=').expect("key=value");
         Override::new(key, value)
@@ -171,7 +169,7 @@ fn outcome(keys: &[&str], seed: u64) -> Result<RenderedImage> {
     let mut overrides = vec![set("image.width=8"), set("image.height=6")];
     overrides.extend(keys.iter().map(|pair| set(&format!("render.{pair}"))));
     overrides.push(set("render.sampler=independent"));
-    overrides.push(set(&format!("render.samples_per_pixel={}", samples(keys))));
+    overrides.push(set(&format!("render.samples_per_pixel={samples}")));
     overrides.push(set(&format!("render.seed={seed}")));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/paper/fig2.toml");
     let (scene, settings) = read_file(&path, &overrides)?.build()?;

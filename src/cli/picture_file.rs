@@ -50,6 +50,11 @@ impl PictureFile {
         }
     }
 
+    /// Returns true if the format holds what is drawn over a picture, in its pixels or as a layer.
+    pub(super) fn holds_overlay(&self) -> bool {
+        self.is_display_referred() || self.has_layers()
+    }
+
     /// Writes the picture, to its own path or to another.
     ///
     /// # Errors

@@ -27,6 +27,7 @@ fn options_that_change_nothing_are_named() {
             "the integrator `path`",
         ),
         ("--accel brute-force --build fast", "--build fast", "the intersector is `brute-force`"),
+        ("--checkpoint-every 5m", "--checkpoint-every 300s", "add --checkpoint FILE"),
     ] {
         let told = stderr(&desk, options);
         let warning = format!("warning: `{named}` has no effect: ");
@@ -36,6 +37,8 @@ fn options_that_change_nothing_are_named() {
     for options in ["--estimator light", "--integrator paper --max-depth 4", "--seed 3"] {
         assert_eq!(stderr(&desk, options), "", "{options}");
     }
+    let checkpoint = "--checkpoint a.checkpoint --checkpoint-every 5m";
+    assert_eq!(stderr(&desk, checkpoint), "", "there is a checkpoint");
     for options in ["--confidence 90%", "--preview-every 2s"] {
         assert!(stderr(&desk, options).contains("were not provided"), "{options}");
     }

@@ -151,3 +151,23 @@ fn a_fitted_camera_keeps_clear_of_the_bar() {
     assert_eq!(covered(""), 0);
     assert!(covered("--set camera.right_margin=0.05") > 0, "without room it would cover some");
 }
+
+#[test]
+fn texts_that_no_file_holds_are_named() {
+    let desk = beads();
+    let told = |options: &str| {
+        let render = format!("render beads.csv --color mass {SMALL} --quiet {options}");
+        desk.run(&render).succeeds().stderr
+    };
+    for option in ["--title kg", "--scale-bar", "--axes", "--font-size 9"] {
+        let told = told(&format!("-o a.pfm -o a.hdr {option}"));
+        let name = option.split(' ').next().unwrap_or_default();
+        let warning = format!("warning: `{name}` has no effect: only .png files");
+        assert!(told.contains(&warning), "{option}: {told}");
+        assert_eq!(told.matches("warning").count(), 1, "{option}: {told}");
+    }
+    for files in ["-o a.pfm -o a.png", "-o a.exr", "-o a.pfm --preview p.png", "-o a.pfm -o a.part"] {
+        assert!(!told(&format!("{files} --title kg")).contains("warning"), "{files}");
+    }
+    assert!(!told("-o a.pfm").contains("warning"), "nobody asked for texts");
+}

@@ -3,6 +3,7 @@
 mod batch;
 mod checkpoint;
 mod finish;
+mod idle;
 mod report;
 mod request;
 
@@ -33,6 +34,7 @@ use super::{interrupt, memory, print, scene_file, system};
 
 use checkpoint::CheckpointTarget;
 use finish::RenderFinisher;
+use idle::idle_options;
 use report::Times;
 
 pub(super) use request::{RenderRequest, scene_text};
@@ -103,7 +105,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs.set_columns(columns);
     let load_s = clock.lap();
     warnings.extend(scene_warnings(&scene, &settings));
-    warnings.extend(request.idle_build(&scene));
+    warnings.extend(idle_options(request, &scene, &outputs, keep.is_some()));
     warnings.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, overlay, keep.as_ref(), &interrupt)?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::accel::{Backend, BackendChoice, BuildQuality};
+use crate::accel::BackendChoice;
 use crate::cli::args::RenderArgs;
 use crate::cli::outputs::{is_part, is_stdout};
 use crate::cli::scene_file::STANDARD_INPUT;
@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::film::Aov;
 use crate::image_io::FileFormat;
 use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec, Quality};
-use crate::scene::{Override, Scene, SceneSource};
+use crate::scene::{Override, SceneSource};
 use crate::studio::StudioOptions;
 
 /// The quality of a picture of a particle file.
@@ -121,16 +121,6 @@ impl RenderRequest {
         let missing: Vec<Aov> = missing.collect();
         layers.extend(missing);
         self
-    }
-
-    /// A warning if the option `--build` changes nothing.
-    pub(in crate::cli) fn idle_build(&self, scene: &Scene) -> Option<String> {
-        let backend = self.job.accel.select(scene.spheres()).backend;
-        let is_idle = self.job.quality != BuildQuality::default() && backend != Backend::Native;
-        is_idle.then(|| {
-            let (build, name) = (self.job.quality.name(), backend.name());
-            format!("`--build {build}` has no effect: the intersector is `{name}`")
-        })
     }
 
     /// The options that would say what [`Self::until_good`] chose.
