@@ -68,8 +68,9 @@ impl Grid {
         Some(Self { low, size: size.max(extent * 1e-6) })
     }
 
+    /// The cell of a point, none of whose coordinates is below the lowest.
     fn cell(&self, point: DVec3) -> [i32; 3] {
-        ((point - self.low) / self.size).to_array().map(|x| x.floor() as i32)
+        ((point - self.low) / self.size).to_array().map(|x| x as i32)
     }
 
     /// Shortens the distance of each sample to that of the nearest point in its cell or a cell
@@ -81,17 +82,23 @@ impl Grid {
         samples: Vec<(usize, f64)>,
     ) -> Vec<(usize, f64)> {
         let mut around: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
+        let mut filter = Filter::default();
         for (index, (row, _)) in samples.iter().enumerate() {
             let [x, y, z] = self.cell(point(*row));
             for step in 0..27 {
                 let cell = [x + step % 3 - 1, y + step / 3 % 3 - 1, z + step / 9 - 1];
                 around.entry(cell).or_default().push(index as u32);
+                filter.insert(cell);
             }
         }
         let nearest = || samples.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>();
         let shorten = |mut distances: Vec<f64>, row: usize| {
             let other = point(row);
-            for index in around.get(&self.cell(other)).into_iter().flatten() {
+            let cell = self.cell(other);
+            if !filter.may_have(cell) {
+                return distances;
+            }
+            for index in around.get(&cell).into_iter().flatten() {
                 let (sample, _) = samples[*index as usize];
                 if sample != row {
                     let distance = point(sample).distance(other);
@@ -105,6 +112,43 @@ impl Grid {
         let rows = (0..count).into_par_iter().with_min_len(1 << 16);
         let distances = rows.fold(nearest, shorten).reduce(nearest, merge);
         samples.iter().zip(distances).map(|((row, _), distance)| (*row, distance)).collect()
+    }
+}
+
+/// A set of cells that may seem to have others, too. Most points are far from all samples, which is
+/// found out by one look at a bit.
+struct Filter(Vec<u64>);
+
+impl Filter {
+    /// About forty bits for each cell around a sample.
+    const LOG_BITS: u32 = 22;
+
+    fn bit([x, y, z]: [i32; 3]) -> (usize, u64) {
+        let (x, y, z) = (i64::from(x) as u64, i64::from(y) as u64, i64::from(z) as u64);
+        let mixed = x
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(y)
+            .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            .wrapping_add(z)
+            .wrapping_mul(0x94d0_49bb_1331_11eb);
+        let bit = mixed >> (64 - Self::LOG_BITS);
+        (bit as usize / 64, 1 << (bit % 64))
+    }
+
+    fn insert(&mut self, cell: [i32; 3]) {
+        let (word, bit) = Self::bit(cell);
+        self.0[word] |= bit;
+    }
+
+    fn may_have(&self, cell: [i32; 3]) -> bool {
+        let (word, bit) = Self::bit(cell);
+        self.0[word] & bit != 0
+    }
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Self(vec![0; 1 << (Self::LOG_BITS - 6)])
     }
 }
 

@@ -40,8 +40,10 @@ pub(super) trait FrameFormat {
         None
     }
 
-    /// Turns positions as they are in the file into Cartesian ones.
-    fn finish(&self, _head: &FrameHead, _batch: &mut Batch) {}
+    /// Turns positions as they are in the file into Cartesian ones; false if they are already.
+    fn finish(&self, _head: &FrameHead, _batch: &mut Batch) -> bool {
+        false
+    }
 }
 
 /// The head of a frame.
@@ -91,9 +93,11 @@ pub(super) fn read<F: FrameFormat>(
     let notes = format.advice(&head).into_iter().collect();
     format.tail(&mut input, &mut head)?;
     format.check_end(&mut input, &head)?;
-    format.finish(&head, &mut batch);
+    let is_changed = format.finish(&head, &mut batch);
     // A line each, in order.
-    if let Some(row) = first_beyond_numbers(&batch.positions) {
+    if let Some(row) =
+        Some(&batch.positions[..]).filter(|_| is_changed).and_then(first_beyond_numbers)
+    {
         let message = "the coordinates times the cell's edges are beyond all numbers";
         return Err(Trouble::at(first_line + row as u64, message).into());
     }

@@ -146,6 +146,20 @@ fn colours_are_those_of_the_colour_bar() {
 }
 
 #[test]
+fn particles_smaller_than_a_pixel_are_said_to_be_mixed() {
+    let desk = desk();
+    fs::write(desk.path().join("melt.csv"), melt()).expect("the melt is written");
+    // Diameters of about 4 pixels, and of 0.4.
+    for (size, are_mixed) in [("80x60", false), ("8x6", true)] {
+        let look = "--color c_pe --style flat --spp 4 --accel native --view -30,20";
+        let done = desk.run(&format!("render melt.csv -o a.png --size {size} {look}")).succeeds();
+        let said = done.stderr.contains("most particles are smaller than a pixel");
+        assert!(done.stderr.contains("colours differ from the legend"), "{}", done.stderr);
+        assert_eq!(said, are_mixed, "{size}: {}", done.stderr);
+    }
+}
+
+#[test]
 fn other_commands_take_particle_files() {
     let desk = desk();
     desk.run("trace run.lammpstrj --pixel 24,18 --size 48x36 --view iso").succeeds();

@@ -107,12 +107,12 @@ impl FrameFormat for LammpsDump {
         Box::new(SpacedRows::new(fields, false))
     }
 
-    fn finish(&self, head: &FrameHead, batch: &mut Batch) {
-        if let (SCALED, Some(cell)) = (head.variant, &head.cell) {
-            for position in &mut batch.positions {
-                *position = cell.point(*position).to_array();
-            }
+    fn finish(&self, head: &FrameHead, batch: &mut Batch) -> bool {
+        let (SCALED, Some(cell)) = (head.variant, &head.cell) else { return false };
+        for position in &mut batch.positions {
+            *position = cell.point(*position).to_array();
         }
+        true
     }
 }
 

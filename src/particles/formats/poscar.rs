@@ -59,14 +59,15 @@ impl FrameFormat for Poscar {
         Box::new(SpacedRows::new(fields, true))
     }
 
-    fn finish(&self, head: &FrameHead, batch: &mut Batch) {
-        let Some(cell) = &head.cell else { return };
+    fn finish(&self, head: &FrameHead, batch: &mut Batch) -> bool {
+        let Some(cell) = &head.cell else { return false };
         for position in &mut batch.positions {
             *position = match head.variant {
                 DIRECT => cell.point(*position).to_array(),
                 _ => position.map(|x| x * self.scale),
             };
         }
+        true
     }
 }
 

@@ -17,11 +17,21 @@ pub(super) const POWERS: [f64; MAX_DIGITS + 1] = [
     1e17, 1e18, 1e19,
 ];
 
+/// Powers of ten that fit into 64 bits.
+pub(super) const POWERS_OF_TEN: [u64; MAX_DIGITS + 1] = powers_of_ten();
+
+const fn powers_of_ten() -> [u64; MAX_DIGITS + 1] {
+    let mut all = [1; MAX_DIGITS + 1];
+    let mut k = 1;
+    while k <= MAX_DIGITS {
+        all[k] = 10 * all[k - 1];
+        k += 1;
+    }
+    all
+}
+
 /// Bytes in which a common number ends: a sign, seven digits, a point, and two words.
 const COMMON_BYTES: usize = 25;
-
-/// Powers of ten up to that of the digits in a word.
-const POWERS_IN_WORD: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 
 /// 2^b / 5^k, rounded up, with the b for which it has 128 bits.
 const RECIPROCALS: [u128; MAX_DIGITS + 1] = reciprocals();
@@ -68,7 +78,7 @@ pub(super) fn leading_digits(text: &[u8], mut number: u64) -> (u64, usize) {
     while let Some(word) = text[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)) {
         let count = digit_count(word);
         if count < 8 {
-            let earlier = number.wrapping_mul(POWERS_IN_WORD[count]);
+            let earlier = number.wrapping_mul(POWERS_OF_TEN[count]);
             return (earlier.wrapping_add(first_digits(word, count)), at + count);
         }
         number = number.wrapping_mul(100_000_000).wrapping_add(eight_digits(word - ZEROS));
@@ -143,7 +153,7 @@ fn common_float(text: &[u8; COMMON_BYTES]) -> Option<(f64, usize)> {
     let mut decimals = digit_count(after);
     let mut mantissa = first_digits(before, whole);
     if decimals < 8 {
-        mantissa = mantissa * POWERS_IN_WORD[decimals] + first_digits(after, decimals);
+        mantissa = mantissa * POWERS_OF_TEN[decimals] + first_digits(after, decimals);
     } else {
         let last = word_at(point + 9);
         let more = digit_count(last);
@@ -152,7 +162,7 @@ fn common_float(text: &[u8; COMMON_BYTES]) -> Option<(f64, usize)> {
         }
         mantissa = mantissa * 100_000_000 + eight_digits(after - ZEROS);
         mantissa =
-            mantissa.wrapping_mul(POWERS_IN_WORD[more]).wrapping_add(first_digits(last, more));
+            mantissa.wrapping_mul(POWERS_OF_TEN[more]).wrapping_add(first_digits(last, more));
         decimals += more;
     }
     let value = quotient(mantissa, decimals, whole + decimals)?;
@@ -176,7 +186,7 @@ fn any_short_float(text: &[u8]) -> Option<(f64, usize)> {
 
 /// The f64 nearest to mantissa / 10^decimals; `None` without digits, or with too many.
 #[inline(always)]
-pub(super) fn quotient(mantissa: u64, decimals: usize, digits: usize) -> Option<f64> {
+fn quotient(mantissa: u64, decimals: usize, digits: usize) -> Option<f64> {
     if digits == 0 || digits > MAX_DIGITS {
         return None;
     }
@@ -186,11 +196,11 @@ pub(super) fn quotient(mantissa: u64, decimals: usize, digits: usize) -> Option<
     })
 }
 
-/// The f64 nearest to mantissa / 10^k, of which ties go to even, for a mantissa above 2^53 and k
-/// above 0.
+/// The f64 nearest to mantissa / 10^k, of which ties go to even. Neither may be 0.
 #[inline(always)]
-fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
-    /// A quotient by a higher power of 5 is no tie: the mantissa would have more than 64 bits.
+pub(super) fn nearest_quotient(mantissa: u64, k: usize) -> f64 {
+    /// A quotient by a higher power of 5 is no tie: the mantissa would have more than 64 bits. That
+    /// of a tie has more than 53.
     const MAX_TIE_POWER: usize = 4;
     let shift = mantissa.leading_zeros();
     let normal = mantissa << shift;

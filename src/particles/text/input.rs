@@ -11,7 +11,7 @@ use crate::particles::source::Source;
 use crate::particles::trouble::{Outcome, Trouble, io_failure};
 
 /// Bytes of a block, which a thread parses. Small blocks, used again and again, stay in the cache.
-const BLOCK_BYTES: usize = 1 << 19;
+const BLOCK_BYTES: usize = 1 << 18;
 
 /// Longest line of rows.
 const MAX_ROW_BYTES: usize = 8 << 20;

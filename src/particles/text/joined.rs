@@ -4,9 +4,21 @@ use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crate::particles::trouble::{Failure, Outcome, Trouble};
+use crate::particles::trouble::{Failure, Outcome};
 
 use super::batch::Batch;
+
+/// A block of rows.
+pub(super) trait Block {
+    /// Appends the rows.
+    fn parse(&self, to: &mut Batch) -> Outcome<()>;
+
+    /// Length of the text.
+    fn bytes(&self) -> usize;
+
+    /// Looks at all rows after those of a text of this length, perhaps the first, were joined.
+    fn joined(&self, all: &mut Batch, bytes: usize, is_first: bool) -> Outcome<()>;
+}
 
 /// All rows so far, and the blocks that were parsed before those in front of them.
 pub(super) struct Joined<'a> {
@@ -32,6 +44,10 @@ struct Progress {
 }
 
 impl Progress {
+    fn take_next(&mut self) -> Option<(Batch, usize)> {
+        self.ready.remove(&self.next)
+    }
+
     fn fail(&mut self, index: usize, failure: Failure) {
         self.is_over = true;
         if self.failure.as_ref().is_none_or(|(first, _)| index < *first) {
@@ -63,52 +79,68 @@ impl<'a> Joined<'a> {
         progress.failure.map_or(Ok(()), |(_, failure)| Err(failure))
     }
 
-    /// An empty batch for a block, once it is near the ones that are joined.
-    pub(super) fn batch(&self, index: usize, most_ahead: usize) -> Batch {
+    /// Parses a block, once it is near the ones that are joined, and joins it and those behind it
+    /// whose turn it is, unless another thread does. A block whose turn it is already is parsed into
+    /// its place.
+    pub(super) fn parse(&self, index: usize, most_ahead: usize, block: &dyn Block) {
         let mut progress = lock(&self.progress);
         while index > progress.next + most_ahead && !progress.is_over {
             progress = self.turn.wait(progress).unwrap_or_else(PoisonError::into_inner);
         }
-        let mut batch = progress.spare.pop().unwrap_or_default();
-        batch.clear_like(&progress.like);
-        batch
-    }
-
-    /// Takes a block that was parsed, and joins all whose turn it is, unless another thread does.
-    pub(super) fn put(
-        &self,
-        index: usize,
-        parsed: Outcome<(Batch, usize)>,
-        join: &dyn Fn(&mut Batch, &mut Batch, usize) -> Result<(), Trouble>,
-    ) {
-        let mut progress = lock(&self.progress);
-        match parsed {
-            Ok(batch) => drop(progress.ready.insert(index, batch)),
-            Err(failure) => progress.fail(index, failure),
-        }
-        if progress.is_joining {
-            return;
-        }
-        progress.is_joining = true;
-        loop {
-            let next = progress.next;
-            let Some((mut batch, bytes)) = progress.ready.remove(&next) else { break };
+        if progress.is_joining || progress.next != index {
+            let mut batch = progress.spare.pop().unwrap_or_default();
+            batch.clear_like(&progress.like);
             drop(progress);
-            let mut all = lock(&self.all);
-            let outcome = join(&mut all, &mut batch, bytes);
+            let parsed = block.parse(&mut batch);
             progress = lock(&self.progress);
-            progress.like = all.empty_like();
-            progress.spare.push(batch);
-            match outcome {
-                Ok(()) => progress.next += 1,
-                Err(trouble) => progress.fail(next, trouble.into()),
+            match parsed {
+                Ok(()) => drop(progress.ready.insert(index, (batch, block.bytes()))),
+                Err(failure) => progress.fail(index, failure),
             }
-            self.turn.notify_all();
+            if progress.is_joining {
+                return;
+            }
+            progress.is_joining = true;
+        } else {
+            progress.is_joining = true;
+            progress = self.join(progress, block, block.bytes(), |all| block.parse(all));
+        }
+        while let Some((mut batch, bytes)) = progress.take_next() {
+            progress = self.join(progress, block, bytes, |all| {
+                all.append(&mut batch);
+                Ok(())
+            });
+            progress.spare.push(batch);
         }
         progress.is_joining = false;
         if progress.is_over {
             self.turn.notify_all();
         }
+    }
+
+    /// Adds the next block, which has so many bytes.
+    fn join<'p>(
+        &'p self,
+        progress: MutexGuard<'p, Progress>,
+        any: &dyn Block,
+        bytes: usize,
+        add: impl FnOnce(&mut Batch) -> Outcome<()>,
+    ) -> MutexGuard<'p, Progress> {
+        drop(progress);
+        let mut all = lock(&self.all);
+        let is_first = all.positions.is_empty();
+        let outcome = add(&mut all).and_then(|()| any.joined(&mut all, bytes, is_first));
+        let mut progress = lock(&self.progress);
+        progress.like = all.empty_like();
+        match outcome {
+            Ok(()) => progress.next += 1,
+            Err(failure) => {
+                let next = progress.next;
+                progress.fail(next, failure);
+            }
+        }
+        self.turn.notify_all();
+        progress
     }
 }
 

@@ -16,14 +16,14 @@ pub(in crate::particles) enum Separator {
     Delimiter(u8),
 }
 
-/// Beginnings of a word that are stored without asking how many there are.
-const USUAL: usize = 12;
-
 /// Where the values of a text begin. The memory is used again for the next text.
 #[derive(Debug, Default)]
 pub(in crate::particles) struct Marks {
     starts: Vec<u32>,
     count: usize,
+    /// As many pairs as any word of the text has had. Most words have about as many, so these are
+    /// stored without asking how many there are.
+    pairs: usize,
 }
 
 /// A line within a text, with the beginnings of values.
@@ -57,7 +57,7 @@ impl Marks {
 
     #[inline(always)]
     fn mark_all(&mut self, text: &[u8], separator: Separator, ops: impl ByteOps) {
-        self.count = 0;
+        (self.count, self.pairs) = (0, 0);
         // A line begins like what follows a separator.
         let mut carry = 1;
         let words = text.chunks_exact(WORD);
@@ -82,22 +82,32 @@ impl Marks {
 
     /// Adds the beginnings in a word.
     #[inline(always)]
-    fn push(&mut self, base: u32, mut bits: u64) {
+    fn push(&mut self, base: u32, bits: u64) {
         if self.starts.len() < self.count + WORD {
             self.starts.resize((2 * self.starts.len()).max(1 << 10), 0);
         }
         let Some(to) = self.starts[self.count..].first_chunk_mut::<WORD>() else { return };
         let count = bits.count_ones() as usize;
+        self.pairs = self.pairs.max(count.div_ceil(2));
         // Those after the last one are overwritten.
-        for start in &mut to[..USUAL] {
-            *start = base + bits.trailing_zeros();
-            bits &= bits.wrapping_sub(1);
-        }
-        for start in &mut to[USUAL..count.max(USUAL)] {
-            *start = base + bits.trailing_zeros();
-            bits &= bits.wrapping_sub(1);
+        match self.pairs {
+            0..=2 => store::<4>(to, base, bits),
+            3 => store::<6>(to, base, bits),
+            4 => store::<8>(to, base, bits),
+            5 => store::<10>(to, base, bits),
+            6 => store::<12>(to, base, bits),
+            _ => store::<WORD>(to, base, bits),
         }
         self.count += count;
+    }
+}
+
+/// Stores the first beginnings in a word, and some that are none.
+#[inline(always)]
+fn store<const MOST: usize>(to: &mut [u32; WORD], base: u32, mut bits: u64) {
+    for start in &mut to[..MOST] {
+        *start = base + bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
     }
 }
 

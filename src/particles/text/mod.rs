@@ -5,7 +5,6 @@ mod decimal;
 mod fields;
 mod input;
 mod joined;
-mod lane_digits;
 mod lanes;
 mod line_parser;
 mod marks;

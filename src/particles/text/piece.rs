@@ -3,7 +3,7 @@
 use crate::math::{Isa, bytes};
 
 use super::batch::Batch;
-use super::lane_digits::LANES;
+use super::lanes::LANES;
 use super::line_parser::LineParser;
 use super::marks::{MarkedRow, Marks};
 use super::row_lanes::UsualRows;

@@ -4,8 +4,7 @@ use crate::math::bytes::{ByteKernel, ByteOps, WORD};
 
 use super::batch::Batch;
 use super::fields::FieldUse;
-use super::lane_digits::{LANES, Lanes};
-use super::lanes::Places;
+use super::lanes::{LANES, Lanes, Places};
 use super::marks::MarkedRow;
 use super::values::Values;
 
@@ -91,9 +90,9 @@ fn count_of_ends(text: &[u8], ops: impl ByteOps) -> usize {
 fn push(column: &mut Values, places: &Places<'_>, is_first: bool, ops: impl ByteOps) -> Option<()> {
     match column {
         Values::F64(values) => values.extend_from_slice(&places.floats(ops)?),
-        Values::I64(values) => values.extend_from_slice(&places.integers()?),
+        Values::I64(values) => values.extend_from_slice(&places.integers(ops)?),
         Values::I32(values) => {
-            let wide: Lanes<i64> = places.integers()?;
+            let wide: Lanes<i64> = places.integers(ops)?;
             let mut narrow = [0; LANES];
             let mut has_wide = false;
             for (narrow, &wide) in narrow.iter_mut().zip(&wide) {
@@ -109,7 +108,7 @@ fn push(column: &mut Values, places: &Places<'_>, is_first: bool, ops: impl Byte
             places.are_plain(is_first)?;
             for row in 0..LANES {
                 let (start, end) = places.of(row);
-                words.push(&places.text[start..end]);
+                words.push_part(places.text, start..end);
             }
         }
     }
@@ -120,13 +119,15 @@ impl Places<'_> {
     /// `None` if there is white space or a quote at the end of a value, or a comment may begin.
     #[inline(always)]
     fn are_plain(&self, is_first: bool) -> Option<()> {
-        let is_plain = |row: usize| {
+        let mut are_plain = true;
+        for row in 0..LANES {
             let (start, end) = self.of(row);
             let (first, last) = (self.text[start], self.text[end.max(1) - 1]);
-            let may_be_comment = is_first && matches!(first, b'#' | b'/');
-            start < end && first > b' ' && last > b' ' && first != b'"' && !may_be_comment
-        };
-        (0..LANES).fold(true, |all, row| all & is_plain(row)).then_some(())
+            let may_be_comment = is_first & ((first == b'#') | (first == b'/'));
+            let is_blank = (start >= end) | (first <= b' ') | (last <= b' ');
+            are_plain &= !(is_blank | (first == b'"') | may_be_comment);
+        }
+        are_plain.then_some(())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parses lines in parallel: each thread takes the next block, parses it, and adds its rows to
 //! those of the blocks before. No thread waits for the others after each block.
 
+use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use crate::particles::trouble::{Outcome, Trouble};
 
 use super::batch::Batch;
 use super::input::{Input, Lines};
-use super::joined::{Alarm, Joined, lock};
+use super::joined::{Alarm, Block, Joined, lock};
 use super::line_parser::LineParser;
 use super::marks::Marks;
 use super::piece::parse_piece;
@@ -94,30 +95,52 @@ pub(in crate::particles) fn read_rows(
     let length = input.length().unwrap_or(0);
     let taking = Mutex::new(Taking { input, section, done: 0, index: 0, has_more: true });
     let joined = Joined::new(all);
-    let rows_left = |first: &Batch, bytes: u64| section.rows_left(first, bytes, length, budget);
-    let join = |all: &mut Batch, batch: &mut Batch, bytes: usize| {
-        let is_first = all.positions.is_empty();
-        all.append(batch);
-        budget.check(all.bytes())?;
-        if is_first {
-            all.reserve(rows_left(all, bytes as u64));
-        }
-        Ok(())
-    };
     let work = |_| {
         let _alarm = Alarm(&joined);
-        let (mut lines, mut marks) = (Lines::default(), Marks::default());
+        let (mut lines, marks) = (Lines::default(), RefCell::default());
         while let Some((index, first_line)) = take(&taking, &joined, &mut lines) {
-            let mut batch = joined.batch(index, threads);
-            let parsed = parse_piece(lines.text(), parser, &mut batch, &mut marks);
-            let parsed = parsed
-                .map_err(|(before, message)| Trouble::at(first_line + before, message).into());
-            joined.put(index, parsed.map(|_| (batch, lines.text().len())), &join);
+            let (lines, marks) = (&lines, &marks);
+            let rows = Rows { lines, first_line, parser, marks, section, length, budget };
+            joined.parse(index, threads, &rows);
         }
     };
     (0..threads).into_par_iter().with_max_len(1).for_each(work);
     joined.finish()?;
     Ok(taking.into_inner().unwrap_or_else(PoisonError::into_inner).done)
+}
+
+/// The rows of a block.
+struct Rows<'r> {
+    lines: &'r Lines,
+    first_line: u64,
+    parser: &'r dyn LineParser,
+    marks: &'r RefCell<Marks>,
+    section: Section,
+    /// Length of the file.
+    length: u64,
+    budget: Budget,
+}
+
+impl Block for Rows<'_> {
+    fn parse(&self, to: &mut Batch) -> Outcome<()> {
+        let parsed = parse_piece(self.lines.text(), self.parser, to, &mut self.marks.borrow_mut());
+        match parsed {
+            Ok(_) => Ok(()),
+            Err((before, message)) => Err(Trouble::at(self.first_line + before, message).into()),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.lines.text().len()
+    }
+
+    fn joined(&self, all: &mut Batch, bytes: usize, is_first: bool) -> Outcome<()> {
+        self.budget.check(all.bytes())?;
+        if is_first {
+            all.reserve(self.section.rows_left(all, bytes as u64, self.length, self.budget));
+        }
+        Ok(())
+    }
 }
 
 /// Where the next block comes from.

@@ -1,6 +1,7 @@
 //! Collects words, each stored once.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::particles::column::Categories;
@@ -22,14 +23,20 @@ impl Words {
     /// Appends a word.
     #[inline(always)]
     pub(in crate::particles) fn push(&mut self, word: &[u8]) {
-        let key = short_key(word);
+        self.push_part(word, 0..word.len());
+    }
+
+    /// Appends a word within a text.
+    #[inline(always)]
+    pub(super) fn push_part(&mut self, text: &[u8], word: Range<usize>) {
+        let key = short_key(&text[word.start..], word.len());
         for (known, code) in &self.short {
             if Some(*known) == key {
                 self.words.codes.push(*code);
                 return;
             }
         }
-        let code = self.find(word, key);
+        let code = self.find(&text[word], key);
         self.words.codes.push(code);
     }
 
@@ -94,15 +101,12 @@ impl Words {
     }
 }
 
-/// A word of up to seven bytes as a number, which has its length.
+/// A word of up to seven bytes at the beginning of a text as a number, which has its length.
 #[inline(always)]
-fn short_key(word: &[u8]) -> Option<u64> {
-    if word.len() > 7 {
-        return None;
-    }
-    let mut key = 0;
-    for byte in word {
-        key = key << 8 | u64::from(*byte);
-    }
-    Some(key << 8 | word.len() as u64)
+fn short_key(text: &[u8], length: usize) -> Option<u64> {
+    let bytes = match text.first_chunk() {
+        Some(bytes) => u64::from_le_bytes(*bytes),
+        None => text.iter().rev().fold(0, |key, byte| key << 8 | u64::from(*byte)),
+    };
+    (length < 8).then(|| (bytes << 8).wrapping_shl(56 - 8 * length as u32) | length as u64)
 }
