@@ -14,9 +14,9 @@ use super::transcendental::{atan2, sin_cos_2pi};
 pub struct DiskPoint {
     /// The point.
     pub point: [f64; 2],
-    /// Its squared distance from the middle, below 1 or equal.
+    /// Squared distance from the middle, at most 1.
     pub squared: f64,
-    /// 1 less that, without cancelling.
+    /// 1 less the squared distance, without cancelling.
     pub inside: f64,
 }
 

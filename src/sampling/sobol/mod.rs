@@ -1,5 +1,5 @@
-//! A digital sequence, scrambled independently for every pixel: Sobol's in construction, with better
-//! matrices for four dimensions.
+//! A digital sequence, scrambled independently for every pixel: Sobol's in construction, with
+//! better matrices for four dimensions.
 //!
 //! Sample `i` of a pixel is point `i` of the sequence, so any aligned block of 2^k samples is well
 //! distributed, and further samples continue the sequence, up to 2^32. Dimensions come in sets of
