@@ -3,9 +3,9 @@
 //! Points are sampled uniformly over the area; sampling, pdf and inversion are implemented
 //! together.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
-use crate::sampling::{atan2, sin_cos};
+use crate::sampling::{atan2, invert_disk, sample_disk, sin_cos};
 
 /// The aperture of a lens, in its own plane: x to the right of the picture, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,7 @@ pub struct Aperture {
 impl Aperture {
     /// Samples a point of the aperture, from `u` in `[0, 1)^2`.
     pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
-        let unit =
-            if self.blades == 0 { sample_concentric_disk(u) } else { self.sample_polygon(u) };
+        let unit = if self.blades == 0 { sample_disk(u).point } else { self.sample_polygon(u) };
         unit.map(|x| x * self.radius)
     }
 
@@ -36,7 +35,7 @@ impl Aperture {
     /// Returns the `u` that maps to a point.
     pub fn invert(&self, point: [f64; 2]) -> [f64; 2] {
         if self.blades == 0 {
-            return invert_concentric_disk(point.map(|x| x / self.radius));
+            return invert_disk(point.map(|x| x / self.radius));
         }
         let [sector, r] = self.sector_coordinates(point);
         [sector / f64::from(self.blades), r * r]
@@ -94,40 +93,10 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Samples a point of the unit disk. Squares around the centre of `u` map to circles (Shirley and
-/// Chiu 1997, "A Low Distortion Map Between Disk and Square"), which preserves stratification.
-fn sample_concentric_disk(u: [f64; 2]) -> [f64; 2] {
-    let [a, b] = u.map(|u| 2.0 * u - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return [0.0; 2];
-    }
-    let (r, angle) = if a.abs() > b.abs() {
-        (a, FRAC_PI_4 * (b / a))
-    } else {
-        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
-    };
-    let (sin, cos) = sin_cos(angle);
-    [r * cos, r * sin]
-}
-
-fn invert_concentric_disk(point: [f64; 2]) -> [f64; 2] {
-    let r = length(point);
-    let angle = atan2(point[1], point[0]);
-    // Starts at -45 degrees, so that each quarter belongs to one side of the square.
-    let angle = if angle < -FRAC_PI_4 { angle + TAU } else { angle };
-    let scaled = |from: f64| (angle - from) / FRAC_PI_4 * r;
-    let [a, b] = match (angle / FRAC_PI_2 + 0.5).floor() as u32 {
-        0 => [r, scaled(0.0)],
-        1 => [-scaled(FRAC_PI_2), r],
-        2 => [-r, -scaled(PI)],
-        _ => [scaled(3.0 * FRAC_PI_2), -r],
-    };
-    [a, b].map(|x| (x + 1.0) / 2.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_4;
 
     const APERTURES: [Aperture; 4] = [
         Aperture { radius: 2.0, blades: 0, rotation: 0.0 },

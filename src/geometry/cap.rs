@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use crate::fault::fault;
 use crate::math::{DVec3, Frame};
-use crate::sampling;
+use crate::sampling::{DiskPoint, sample_disk};
 
 use super::cone::{Cone, ConeSample};
 use super::{Side, Sphere};
@@ -145,10 +145,10 @@ impl VisibleCap {
         let Cap { axis, height } = self.cap;
         let axis = if fault!(CapComplement) { -axis } else { axis };
         let height = if fault!(CapComplement) { 2.0 - height } else { height };
-        let one_minus_cos = u[0] * height;
-        let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = sampling::sin_cos_2pi(u[1]);
-        let local = DVec3::new(sin * cos_phi, sin * sin_phi, 1.0 - one_minus_cos);
+        let DiskPoint { point, squared, .. } = sample_disk(u);
+        let one_minus_cos = squared * height;
+        let stretch = (height * (2.0 - one_minus_cos)).max(0.0).sqrt();
+        let local = DVec3::new(stretch * point[0], stretch * point[1], 1.0 - one_minus_cos);
         let normal = Frame::from_z(axis).to_world(local);
         let to_point = self.to_center + normal * self.radius;
         let distance = to_point.length();
@@ -237,13 +237,15 @@ mod tests {
                 let mut visible = 0;
                 for i in 0..20_000 {
                     let i = f64::from(i);
-                    let u = [i / 20_000.0, (i * 0.618_033_988_749_895).fract()];
+                    let u = [(i + 0.5) / 20_000.0, (i * 0.618_033_988_749_895).fract()];
                     let ConeSample { direction, distance, pdf } = seen.sample(u);
                     let point = sphere.center + offset + direction * distance;
                     assert_relative_eq!(point.distance(sphere.center), 2.0, max_relative = 1e-12);
                     let is_inside = opaque.contains(point);
-                    assert!(u[0] == 0.0 || is_inside == (side == Side::Inside), "{side:?} {u:?}");
-                    if pdf > 0.0 {
+                    // An edge of the square becomes the rim.
+                    let is_rim = u[1] == 0.0;
+                    assert!(is_rim || is_inside == (side == Side::Inside), "{side:?} {u:?}");
+                    if pdf > 0.0 && !is_rim {
                         // The square of a grazing cosine comes from a difference.
                         let cos = (sphere.center - point).dot(direction) / 2.0;
                         let error = 1e-9 + 1e-13 / (cos * cos);

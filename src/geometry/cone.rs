@@ -5,7 +5,7 @@
 
 use crate::fault::fault;
 use crate::math::{DVec3, Frame, renormalize};
-use crate::sampling;
+use crate::sampling::{DiskPoint, sample_disk};
 
 use super::Sphere;
 
@@ -100,13 +100,14 @@ impl Cone {
     /// Samples a direction uniformly over the cone's solid angle, from `u` in `[0, 1)^2`.
     #[inline(always)]
     pub fn sample(&self, u: [f64; 2]) -> ConeSample {
-        let u0 = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
-        let one_minus_cos = u0 * self.one_minus_cos_max;
+        let DiskPoint { point, squared, .. } = sample_disk(u);
+        // The sine is the distance from the middle of the disk times `stretch`.
+        let share = if fault!(ConeUniformInAngle) { squared } else { 1.0 };
+        let one_minus_cos = squared * share * self.one_minus_cos_max;
         let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
-        let (sin_phi, cos_phi) = sampling::sin_cos_2pi(u[1]);
-        let sin = sin_squared.max(0.0).sqrt();
+        let stretch = (share * self.one_minus_cos_max * (2.0 - one_minus_cos)).max(0.0).sqrt();
         let cos = 1.0 - one_minus_cos;
-        let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+        let local = DVec3::new(stretch * point[0], stretch * point[1], cos);
         ConeSample {
             direction: renormalize(Frame::from_z(self.axis).to_world(local)),
             distance: self.distance_to_sphere(sin_squared, cos),
@@ -182,11 +183,12 @@ mod tests {
         assert_eq!(cone.pdf(), 1.0 / cone.solid_angle());
         let axis = (sphere.center - point) / distance;
         for i in 0..100 {
-            let u = [f64::from(i) / 100.0, f64::from(i * 37 % 100) / 100.0];
+            let u = [i, i * 37 % 100].map(|i| (f64::from(i) + 0.5) / 100.0);
             let sample = cone.sample(u);
             // Uniform in the chord from the axis to the rim.
             let chord = 1.0 - sample.direction.dot(axis);
-            assert!((chord - u[0] * (1.0 - cos_max)).abs() < 1e-14);
+            let share = sample_disk(u).squared;
+            assert!((chord - share * (1.0 - cos_max)).abs() < 1e-14);
             let roots = sphere.roots(point, sample.direction).expect("inside the cone");
             assert_relative_eq!(sample.distance, roots.near, max_relative = 1e-12);
             assert_eq!(sample.pdf, cone.pdf());

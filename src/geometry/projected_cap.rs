@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 use crate::fault::fault;
 use crate::math::{DVec3, Frame, renormalize};
-use crate::sampling::{self, one_minus_cos_of_segment, segment_area};
+use crate::sampling::{DiskPoint, one_minus_cos_of_segment, sample_disk, segment_area};
 
 use super::Cone;
 
@@ -194,9 +194,8 @@ impl ProjectedCap {
     /// Samples a cap that is above the horizon.
     #[inline(always)]
     pub fn sample_whole(&self, u: [f64; 2]) -> DVec3 {
-        let (sin_phi, cos_phi) = sampling::sin_cos_2pi(u[1]);
-        let r = u[0].sqrt();
-        self.over_ellipse([r * cos_phi, r * sin_phi], 1.0 - u[0])
+        let DiskPoint { point, inside, .. } = sample_disk(u);
+        self.over_ellipse(point, inside)
     }
 
     /// Samples a cap that the horizon cuts, with the axis above it: in order along x, first the

@@ -283,7 +283,7 @@ pub(super) fn job_identity(settings: &Settings, intersector: Backend) -> Content
         _ => 1,
     };
     set_sample_count(&mut settings, samples);
-    let canonical = CanonicalJob { encoding: 5, version: VERSION, intersector, settings };
+    let canonical = CanonicalJob { encoding: 6, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
     ContentHash::of_bytes(&bytes.expect("plain values with string keys serialize to JSON"))
 }

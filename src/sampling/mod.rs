@@ -6,6 +6,7 @@
 
 mod circular_segment;
 mod discrete;
+mod disk;
 mod filter;
 pub mod hemisphere;
 mod independent;
@@ -17,6 +18,7 @@ mod transcendental;
 
 pub use circular_segment::{one_minus_cos_of_segment, segment_area};
 pub use discrete::DiscreteDistribution;
+pub use disk::{DiskPoint, invert_disk, sample_disk};
 pub use filter::{Filter, FilterKind, sample_box};
 pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;

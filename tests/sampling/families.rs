@@ -30,12 +30,13 @@ pub(crate) enum Family {
 }
 
 impl Family {
-    pub(crate) const PIXEL_AND_LIGHT: [Self; 5] = [
+    pub(crate) const PIXEL_AND_LIGHT: [Self; 6] = [
         Self::EdgeTimesEdge,
         Self::EdgeTimesDisc,
         Self::Penumbra,
         Self::ShadingTimesEdge,
         Self::Smooth,
+        Self::WidePenumbra,
     ];
 }
 

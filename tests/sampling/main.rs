@@ -2,5 +2,6 @@
 
 mod chi2;
 mod correlated;
+mod disk;
 mod families;
 mod samplers;

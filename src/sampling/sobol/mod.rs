@@ -1,5 +1,5 @@
-//! A digital sequence with nested uniform scrambling, independent for every pixel: Sobol's in
-//! construction, with better matrices for four dimensions.
+//! A digital sequence, scrambled independently for every pixel: Sobol's in construction, with
+//! better matrices for four dimensions.
 //!
 //! Sample `i` of a pixel is point `i` of the sequence, so any aligned block of 2^k samples is well
 //! distributed, and further samples continue the sequence, up to 2^32. Dimensions come in sets of
@@ -15,7 +15,7 @@ pub use lanes::SobolLanes;
 
 use super::independent::{pixel_key, split_mix};
 use directions::reversed_point;
-use scramble::{owen_scramble_reversed, shuffle_reversed};
+use scramble::{scramble_reversed, shuffle_reversed};
 
 /// Number of jointly stratified dimensions.
 const SET_SIZE: u32 = 4;
@@ -65,7 +65,6 @@ fn point_index(key: u64, reversed_sample: u32, set: u32) -> u32 {
 /// 1.
 #[inline(always)]
 fn scrambled_coordinate(reversed_point: u32, key: u64, dimension: u32) -> f64 {
-    let scrambled =
-        owen_scramble_reversed(reversed_point, split_mix(key, dimension)).reverse_bits();
+    let scrambled = scramble_reversed(reversed_point, split_mix(key, dimension)).reverse_bits();
     (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }

@@ -27,6 +27,27 @@ pub(super) fn owen_scramble_reversed(mut x: u32, key: u64) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
+/// Number of binary digits of a coordinate that are shifted: those that 16 points stratify.
+const SHIFTED_DIGITS: u32 = 4;
+
+/// Scrambles a bit-reversed coordinate of a point. Of the binary digits, the first two are added to
+/// the next two, and all four shifted by the same number in all points. Lower digits are scrambled
+/// as by [`owen_scramble_reversed`].
+///
+/// Nested scrambling makes all perfect pairs alike: it fixes the distribution of any two of their
+/// points. A shift keeps the pattern of the first 16 points, which can then be chosen. Linear
+/// scrambles of the four digits (Matousek 1998, "On the L2-Discrepancy for Anchored Boxes"), 64 in
+/// each dimension, have in the mean the variance of nested scrambling. That of this one is among
+/// the least for edges that lie anywhere, in two dimensions and in four, and is less by a sixth.
+#[inline(always)]
+pub(super) fn scramble_reversed(point: u32, key: u64) -> u32 {
+    const SHIFTED: u32 = (1 << SHIFTED_DIGITS) - 1;
+    // The hash lets these bits of the key act on digits below the 13th alone.
+    let shift = (key >> (64 - SHIFTED_DIGITS)) as u32;
+    let upper = point ^ point << 2 ^ shift;
+    owen_scramble_reversed(point, key) & !SHIFTED | upper & SHIFTED
+}
+
 /// Shuffles a bit-reversed index within every aligned block of 2^k that begins at 0.
 ///
 /// Scrambling alone would move the index to another aligned block. Mapping 0 back to 0 adds a
@@ -47,14 +68,63 @@ mod tests {
         owen_scramble_reversed(x.reverse_bits(), key).reverse_bits()
     }
 
+    /// Scrambles the fraction of 2^32 that a coordinate represents.
+    fn scrambled_coordinate(x: u32, key: u64) -> u32 {
+        scramble_reversed(x.reverse_bits(), key).reverse_bits()
+    }
+
     #[test]
     fn digits_depend_on_the_digits_before_only() {
         for i in 0..1000 {
             let (x, key) = (split_mix(1, i) as u32, split_mix(2, i));
             for digit in 0..32 {
                 let other = x ^ (1 << (31 - digit));
-                let differ = scrambled(x, key) ^ scrambled(other, key);
-                assert_eq!(differ.leading_zeros(), digit);
+                for scramble in [scrambled, scrambled_coordinate] {
+                    let differ = scramble(x, key) ^ scramble(other, key);
+                    assert_eq!(differ.leading_zeros(), digit);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn upper_digits_of_coordinates_are_shifted_and_lower_ones_nested() {
+        // All 16 shifts are equally likely: chi-square with 15 degrees of freedom over 2^14 keys;
+        // 60 is exceeded with a probability of 2e-7.
+        let mut counts = [0u32; 16];
+        for i in 0..1 << 14 {
+            let key = split_mix(7, i);
+            let upper = |x: u32| scrambled_coordinate(x << 28, key) >> 28;
+            let shift = upper(0);
+            // The first two digits, which are the higher bits, are added to the next two.
+            assert!((0..16).all(|x| upper(x) == x ^ x >> 2 ^ shift));
+            counts[shift as usize] += 1;
+            let x = split_mix(8, i) as u32;
+            let lower = |x: u32| x & (u32::MAX >> 4);
+            assert_eq!(lower(scrambled_coordinate(x, key)), lower(scrambled(x, key)));
+        }
+        let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - 1024.0).powi(2) / 1024.0).sum();
+        assert!(chi2 < 60.0, "{chi2}: {counts:?}");
+    }
+
+    #[test]
+    fn shifts_are_independent_of_the_swaps_below() {
+        // Each digit of the shift with the swap at each lower level: 3 degrees of freedom; 45 is
+        // exceeded with a probability of 1e-9 (112 tables).
+        let keys = 1 << 14;
+        let x = split_mix(9, 0) as u32;
+        for level in 4..32 {
+            for digit in 0..4 {
+                let mut counts = [0u32; 4];
+                for i in 0..keys {
+                    let changed = scrambled_coordinate(x, split_mix(10, i)) ^ x;
+                    let [shift, swap] = [digit, level].map(|place| changed >> (31 - place) & 1);
+                    counts[(2 * shift + swap) as usize] += 1;
+                }
+                let expected = f64::from(keys) / 4.0;
+                let chi2: f64 =
+                    counts.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+                assert!(chi2 < 45.0, "digit {digit}, level {level}: {counts:?}");
             }
         }
     }

@@ -7,7 +7,7 @@
 
 use crate::geometry::{Cone, Sphere};
 use crate::math::{DVec3, Frame};
-use crate::sampling::{Hemisphere, Sampler, power_heuristic, sin_cos, sin_cos_2pi};
+use crate::sampling::{Hemisphere, Sampler, invert_disk, power_heuristic, sin_cos, sin_cos_2pi};
 
 use super::super::{Connection, EmitterView, SpecularPath, Target};
 use super::fresnel::reflectance;
@@ -86,7 +86,9 @@ impl LitPoint {
         let cone = Cone::subtending(self.x, &self.ball).expect("from outside");
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(DIRECTIONS);
         let all = |i: u32, j: u32| {
-            let direction = cone.sample([at(i), at(j)]).direction;
+            // On circles around the ball's middle.
+            let (r, (sin, cos)) = (at(i).sqrt(), sin_cos_2pi(at(j)));
+            let direction = cone.sample(invert_disk([r * cos, r * sin])).direction;
             let cos = self.normal.dot(direction).max(0.0);
             let of_kind = |&kind: &SpecularPath| {
                 let start = TracedRay::new(self.x, direction);
