@@ -60,8 +60,8 @@ pub fn overlay_warnings(choice: &OverlayChoice, scene: &SceneFile) -> Vec<String
     match legend {
         Some(Legend::Range { title, .. }) if title.parse::<f64>().is_ok() => {
             warnings.push(format!(
-                "all particles have one colour: `color` is the number {title}; `info FILE --columns` \
-                 lists the columns"
+                "all particles have one colour: `color` is the number {title}, not a column, which \
+                 `info` lists"
             ));
         }
         _ => {}
