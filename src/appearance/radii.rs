@@ -144,6 +144,8 @@ fn of_expression(particles: &Particles, text: &str, scale: f64) -> Result<Radii,
         }
     }
     let failed = |error| AppearanceError::of_expression("radius", error);
+    let name = quoted(text);
+    let text = if particles.column(text).is_some() { &*name } else { text };
     let expression = Expression::parse(text).map_err(failed)?;
     let mut values =
         expression.values(&ParticleColumns(particles), particles.len()).map_err(failed)?;

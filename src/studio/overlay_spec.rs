@@ -57,6 +57,15 @@ pub fn overlay_warnings(choice: &OverlayChoice, scene: &SceneFile) -> Vec<String
                 .to_owned(),
         );
     }
+    match legend {
+        Some(Legend::Range { title, .. }) if title.parse::<f64>().is_ok() => {
+            warnings.push(format!(
+                "all particles have one colour: `color` is the number {title}, not a column, which \
+                 `info` lists"
+            ));
+        }
+        _ => {}
+    }
     let is_panorama =
         matches!(scene.description.camera.projection, ProjectionDescription::Panoramic { .. });
     if choice.scale_bar && is_panorama {

@@ -166,8 +166,22 @@ fn texts_that_no_file_holds_are_named() {
         assert!(told.contains(&warning), "{option}: {told}");
         assert_eq!(told.matches("warning").count(), 1, "{option}: {told}");
     }
-    for files in ["-o a.pfm -o a.png", "-o a.exr", "-o a.pfm --preview p.png", "-o a.pfm -o a.part"] {
+    for files in ["-o a.pfm -o a.png", "-o a.exr", "-o a.pfm --preview p.png", "-o a.pfm -o a.part"]
+    {
         assert!(!told(&format!("{files} --title kg")).contains("warning"), "{files}");
     }
     assert!(!told("-o a.pfm").contains("warning"), "nobody asked for texts");
+}
+
+#[test]
+fn a_number_for_a_column_is_told() {
+    let desk = beads();
+    let told = |color: &str| {
+        let render = format!("render beads.csv -o a.png --color {color} {SMALL} --quiet");
+        desk.run(&render).succeeds().stderr
+    };
+    assert!(
+        told("5").contains("warning: all particles have one colour: `color` is the number 5, not")
+    );
+    assert_eq!(told("mass"), "");
 }

@@ -140,3 +140,14 @@ fn a_file_that_moved_is_asked_for() {
     desk.run("pick out.png 8 6 --folder data").succeeds();
     desk.run("reproduce out.png --folder data").succeeds();
 }
+
+#[test]
+fn names_of_columns_with_brackets_are_found_or_explained() {
+    let desk = desk("a.csv", "x,y,z,size (mm)\n0,0,0,0.5\n2,0,0,0.25\n");
+    let render = |radius: &str| {
+        outcome(desk.command(&format!("render a.csv {RENDER} --radius")).arg(radius))
+    };
+    render("size (mm)").succeeds();
+    render("`size (mm)` / 2").succeeds();
+    render("size (mm) / 2").fails(3, &["there is no function `size`", "stands in backticks"]);
+}

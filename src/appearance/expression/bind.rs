@@ -356,6 +356,19 @@ mod tests {
             ("z < ", 4..4, "expected a column, a number or a bracket, found the end", ""),
             ("sqr(z) < 1", 0..3, "there is no function `sqr`", "did you mean `sqrt`?"),
             (
+                "Diameter (mm) / 2",
+                0..8,
+                "there is no function `Diameter`",
+                "functions: min, max, abs, sqrt, exp, log, log10, sin, cos, floor; the name of a \
+                 column with spaces or brackets stands in backticks: `d (mm)` / 2",
+            ),
+            (
+                "Bead ID < 2",
+                5..7,
+                "expected an operator, found `ID`",
+                "the name of a column with spaces or brackets stands in backticks: `d (mm)` / 2",
+            ),
+            (
                 "element < 2",
                 0..7,
                 "expected a number, but this is a text",

@@ -33,6 +33,10 @@ const OPERATORS: [(&str, Binary, u8); 14] = [
 /// How tightly a sign in front binds: looser than a power, tighter than a product.
 const SIGN_BINDS: u8 = 6;
 
+/// What to do about a name of a column that looks like several tokens.
+const NAMES_IN_BACKTICKS: &str =
+    "the name of a column with spaces or brackets stands in backticks: `d (mm)` / 2";
+
 /// Parses a whole expression.
 ///
 /// # Errors
@@ -47,6 +51,9 @@ pub(super) fn parse(text: &str) -> Result<Node, ExpressionError> {
     let node = parser.binary(0)?;
     match parser.peek() {
         Token::End => Ok(node),
+        Token::Name(_) => {
+            Err(parser.unexpected("an operator").with_help(NAMES_IN_BACKTICKS.to_owned()))
+        }
         _ => Err(parser.unexpected("an operator")),
     }
 }
@@ -170,7 +177,10 @@ impl Parser {
             let known = FOLDS.iter().map(|(name, _)| *name);
             let known = known.chain(FUNCTIONS.iter().map(|(name, _)| *name));
             let help = did_you_mean(name, known.clone());
-            let all = || format!("functions: {}", known.collect::<Vec<_>>().join(", "));
+            let all = || {
+                let known = known.collect::<Vec<_>>().join(", ");
+                format!("functions: {known}; {NAMES_IN_BACKTICKS}")
+            };
             let error = ExpressionError::new(span, format!("there is no function `{name}`"));
             return Err(error.with_help(help.unwrap_or_else(all)));
         };
