@@ -1,20 +1,12 @@
-//! Text that is read forward, with its lines counted. A thread of its own reads and decompresses
-//! ahead, in blocks that end where a line does, so that they are parsed where they lie.
+//! Text that is read forward, with its lines counted.
 
-use std::io::{self, Read};
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
-use std::thread;
 
 use crate::particles::source::Source;
 use crate::particles::trouble::{Outcome, Trouble, io_failure};
 
-/// Bytes of a block, which a thread parses. Small blocks, used again and again, stay in the cache.
-const BLOCK_BYTES: usize = 1 << 18;
-
-/// Longest line of rows.
-const MAX_ROW_BYTES: usize = 8 << 20;
+use super::blocks::{Blocks, MAX_ROW_BYTES, end_of_lines};
 
 /// Longest line of a header.
 const MAX_LINE_BYTES: usize = 1 << 20;
@@ -45,9 +37,9 @@ impl Lines {
 /// Text that is read forward.
 pub(in crate::particles) struct Input {
     path: PathBuf,
-    blocks: Option<Receiver<io::Result<Vec<u8>>>>,
-    /// Takes blocks back, whose memory is used again.
-    used: Sender<Vec<u8>>,
+    blocks: Blocks,
+    /// Memory to be used again.
+    spare: Vec<u8>,
     /// Whole lines, unless the file ends within one or it is too long.
     buffer: Vec<u8>,
     start: usize,
@@ -61,13 +53,14 @@ impl Input {
     pub(in crate::particles) fn new(source: Source) -> Self {
         let is_short = source.is_short();
         let Source { path, head: mut buffer, rest, plain_length: length, .. } = source;
-        let (used, spare) = channel();
         let start = if buffer.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        let blocks = (!is_short).then(|| {
+        let blocks = if is_short {
+            Blocks::Over
+        } else {
             let begun = buffer.split_off(end_of_lines(&buffer).max(start));
-            read_ahead(begun, rest, spare)
-        });
-        Self { path, blocks, used, buffer, start, line: 1, length }
+            Blocks::new(begun, rest, length.is_none())
+        };
+        Self { path, blocks, spare: Vec::new(), buffer, start, line: 1, length }
     }
 
     /// Bytes of the whole file, if it is a plain one.
@@ -203,9 +196,8 @@ impl Input {
     /// Adds a block to the buffer, or puts it in the place of lines that are done; false at the end
     /// of the text.
     fn fill(&mut self) -> Outcome<bool> {
-        let Some(blocks) = &self.blocks else { return Ok(false) };
-        match blocks.recv() {
-            Ok(Ok(mut block)) => {
+        match self.blocks.next(&mut self.spare) {
+            Some(Ok(mut block)) => {
                 if self.start == self.buffer.len() {
                     std::mem::swap(&mut self.buffer, &mut block);
                 } else {
@@ -213,15 +205,11 @@ impl Input {
                     self.buffer.extend_from_slice(&block);
                 }
                 self.start = 0;
-                // Nobody reads on after the last block.
-                let _ = self.used.send(block);
+                self.spare = block;
                 Ok(true)
             }
-            Ok(Err(error)) => Err(io_failure(&self.path, error)),
-            Err(_) => {
-                self.blocks = None;
-                Ok(false)
-            }
+            Some(Err(error)) => Err(io_failure(&self.path, error)),
+            None => Ok(false),
         }
     }
 }
@@ -245,54 +233,4 @@ fn whole_lines(text: &[u8], most: u64) -> Option<(u64, usize)> {
 /// A line without its end.
 fn trimmed(line: &[u8]) -> &[u8] {
     line.strip_suffix(b"\r").unwrap_or(line)
-}
-
-/// Where the last whole line ends.
-fn end_of_lines(text: &[u8]) -> usize {
-    memchr::memrchr(b'\n', text).map_or(0, |last| last + 1)
-}
-
-/// Reads blocks of whole lines in a thread of its own, some ahead. `begun` is the beginning of the
-/// first line.
-fn read_ahead(
-    mut begun: Vec<u8>,
-    mut from: Box<dyn Read + Send>,
-    spare: Receiver<Vec<u8>>,
-) -> Receiver<io::Result<Vec<u8>>> {
-    let size = BLOCK_BYTES;
-    let ahead = rayon::current_num_threads().max(2);
-    let (sender, receiver) = sync_channel(ahead);
-    let work = move || {
-        loop {
-            let mut block = spare.try_recv().unwrap_or_default();
-            block.clear();
-            block.append(&mut begun);
-            let read = loop {
-                block.reserve(size);
-                let read = from.by_ref().take(size as u64).read_to_end(&mut block);
-                let is_last = !matches!(read, Ok(count) if count == size);
-                let end = end_of_lines(&block);
-                if is_last || end == 0 && block.len() > MAX_ROW_BYTES {
-                    break read.map(|_| is_last);
-                }
-                if end > 0 {
-                    begun.extend_from_slice(&block[end..]);
-                    block.truncate(end);
-                    break Ok(false);
-                }
-            };
-            // Nobody may listen any more.
-            let is_heard = block.is_empty() || sender.send(Ok(block)).is_ok();
-            match read {
-                Ok(false) if is_heard => {}
-                Ok(_) => return,
-                Err(error) => {
-                    let _ = sender.send(Err(error));
-                    return;
-                }
-            }
-        }
-    };
-    thread::spawn(work);
-    receiver
 }

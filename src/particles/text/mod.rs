@@ -1,6 +1,7 @@
 //! Reads lines of text in parallel.
 
 mod batch;
+mod blocks;
 mod decimal;
 mod fields;
 mod input;

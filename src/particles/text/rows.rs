@@ -16,6 +16,9 @@ use super::line_parser::LineParser;
 use super::marks::Marks;
 use super::piece::parse_piece;
 
+/// Blocks for each thread that may wait until their turn to be joined.
+const AHEAD: usize = 4;
+
 /// Which lines are read.
 #[derive(Clone, Copy)]
 pub(in crate::particles) enum Section {
@@ -101,7 +104,7 @@ pub(in crate::particles) fn read_rows(
         while let Some((index, first_line)) = take(&taking, &joined, &mut lines) {
             let (lines, marks) = (&lines, &marks);
             let rows = Rows { lines, first_line, parser, marks, section, length, budget };
-            joined.parse(index, threads, &rows);
+            joined.parse(index, AHEAD * threads, &rows);
         }
     };
     (0..threads).into_par_iter().with_max_len(1).for_each(work);
