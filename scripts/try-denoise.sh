@@ -39,10 +39,12 @@ results=$work/results.txt
 # The scene, and options of the noisy render. The mean of `paper` is that of `path`.
 options_of() {
     case $1 in
-        paper/fig2) echo "--integrator paper" ;;
+        paper/fig*) echo "--integrator paper" ;;
     esac
 }
-for scene in ${SCENES:-paper/fig2 cornell-spheres smallpt materials many-lights still-life sky}; do
+noisy="paper/fig2 paper/fig3 paper/fig4 cornell-spheres smallpt"
+others="materials many-lights still-life sky bench/small-lamp"
+for scene in ${SCENES:-$noisy $others}; do
     name=$work/$(basename "$scene")
     if [ ! -e "$name-truth.exr" ]; then
         "$photosphere" render "scenes/$scene.toml" --size "$size" --spp "$reference" --seed 99 \
