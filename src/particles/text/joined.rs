@@ -80,8 +80,8 @@ impl<'a> Joined<'a> {
     }
 
     /// Parses a block, once it is near the ones that are joined, and joins it and those behind it
-    /// whose turn it is, unless another thread does. A block whose turn it is already is parsed into
-    /// its place.
+    /// whose turn it is, unless another thread does. Where its turn has come before, it is parsed
+    /// into its place.
     pub(super) fn parse(&self, index: usize, most_ahead: usize, block: &dyn Block) {
         let mut progress = lock(&self.progress);
         while index > progress.next + most_ahead && !progress.is_over {
