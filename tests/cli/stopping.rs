@@ -49,7 +49,7 @@ const WIDE: [(&str, &str); 2] = [("width = 16", "width = 32"), ("height = 12", "
 fn stopped_squares_go_on_and_add_up_to_the_same_bytes() {
     let scene = WIDE.iter().fold(SCENE.to_owned(), |text, (from, to)| text.replacen(from, to, 1));
     let desk = Desk::new(&scene);
-    let render = "render scene.toml --accel native --noise 3.5% --quiet";
+    let render = "render scene.toml --accel native --noise 3.25% --quiet";
     desk.run(&format!("{render} -o whole.exr --no-run-figures --threads 1")).succeeds();
     let said = desk.run("info whole.exr --json").succeeds().json();
     assert_eq!(said["counts"].as_array().map(Vec::len), Some(8), "{said}");
@@ -176,7 +176,7 @@ fn samples_are_added_to_a_picture_that_met_its_noise_target() {
     let scene = WIDE.iter().fold(SCENE.to_owned(), |text, (from, to)| text.replacen(from, to, 1));
     let desk = Desk::new(&scene);
     let render = "render scene.toml --accel native --no-run-figures --quiet";
-    desk.run(&format!("{render} --noise 3.5% -o a.exr --checkpoint a.state")).succeeds();
+    desk.run(&format!("{render} --noise 3.25% -o a.exr --checkpoint a.state")).succeeds();
     let said = desk.run("info a.exr --json").succeeds().json();
     assert!(said["counts"].is_array(), "{said}");
     desk.run("resume a.state --extend-to 16").fails(3, &["more than the 16 that are requested"]);
