@@ -208,7 +208,7 @@ fn stats_of(kit: &Kit) -> (RenderStats, Vec<PathEvent>) {
     let cancel = Default::default();
     let context = RenderContext::new(&prepared, &*accel, &cancel);
     let address = |i: u32| SampleAddress { x: i % 6, y: i / 6 % 6, sample: i / 36 };
-    let samples: Vec<_> = (0..36 * 32).map(address).collect();
+    let samples: Vec<_> = (0..36 * 256).map(address).collect();
     let integrator = create(&prepared);
     let mut radiance = vec![Default::default(); samples.len()];
     let stats = integrator.estimate(context, &samples, &mut radiance, &mut Workspace::default());
