@@ -153,7 +153,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         "a wide emitter, directly and over a mirror ball",
         "L = a Le (s cos t + ρ/π ∫ cos dω)",
         Direct,
-        256,
+        1024,
         caustics::over_a_mirror
     ),
     form!(
